@@ -1,0 +1,65 @@
+# spantex: every entry point. `make help` lists the targets.
+MAKEFLAGS += --no-builtin-rules
+.DEFAULT_GOAL := all
+B        ?= build
+CXX      ?= g++
+ifeq ($(origin CXX),default)
+CXX      := g++
+endif
+OPT      ?= -O2
+WARN     := -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -Werror
+STD      := -std=c++20
+INCLUDES := -I. -Ifirmware
+# Libraries that are not ours come in as system headers: no warnings of theirs.
+SYSTEM   := -isystem /usr/include/stb
+CXXFLAGS ?=
+FLAGS     = $(STD) $(OPT) $(WARN) $(INCLUDES) $(SYSTEM) $(CXXFLAGS) -MMD -MP -pthread
+JOBS     ?= $(shell nproc)
+
+HOST_SOURCES := $(wildcard sim/*.cpp) $(wildcard hal/*.cpp)
+TOOL_SOURCES := $(wildcard tools/spantex/*.cpp)
+UNIT_SOURCES := $(wildcard tests/unit/*.cpp)
+HOST_OBJECTS := $(HOST_SOURCES:%.cpp=$(B)/%.o)
+TOOL_OBJECTS := $(TOOL_SOURCES:%.cpp=$(B)/%.o)
+UNIT_TESTS   := $(UNIT_SOURCES:tests/unit/%.cpp=$(B)/tests/%)
+
+.PHONY: all demo test clean help setup-build setup-test setup-demo
+
+all: setup-build ## build the command: build/spantex
+	@$(MAKE) --no-print-directory -j$(JOBS) $(B)/spantex
+
+demo: setup-build setup-demo all ## render the demo pictures into build/demo and print one table
+	@$(B)/spantex demo --out $(B)/demo
+
+test: setup-build setup-test setup-demo ## run every test; T=suite.case runs one
+	@$(MAKE) --no-print-directory -j$(JOBS) $(B)/spantex unit-tests
+	@CXX="$(CXX)" python3 tests/run.py --build $(B) $(if $(T),--only '$(T)')
+
+unit-tests: $(UNIT_TESTS)
+
+clean: ## remove everything built
+	@rm -rf $(B)
+
+help: ## list the targets
+	@sed -n 's/^\([a-z][a-z0-9-]*\):.*## \(.*\)/  make \1\t\2/p' $(MAKEFILE_LIST) | expand -t 24
+
+setup-build: ; @tools/setup build
+setup-test: ; @tools/setup test cross
+setup-demo: ; @tools/setup demo
+
+$(B)/spantex: $(TOOL_OBJECTS) $(HOST_OBJECTS)
+	@echo "  link    $@"
+	@$(CXX) $(FLAGS) $^ -o $@ -lassimp
+
+$(B)/%.o: %.cpp Makefile
+	@mkdir -p $(@D)
+	@echo "  compile $<"
+	@$(CXX) $(FLAGS) -c $< -o $@
+
+$(B)/tests/%: $(B)/tests/unit/%.o $(HOST_OBJECTS)
+	@mkdir -p $(@D)
+	@echo "  link    $@"
+	@$(CXX) $(FLAGS) $^ -o $@ -lcmocka -lassimp -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc
+
+.PRECIOUS: $(B)/tests/unit/%.o
+-include $(HOST_OBJECTS:.o=.d) $(TOOL_OBJECTS:.o=.d) $(UNIT_SOURCES:%.cpp=$(B)/%.d)

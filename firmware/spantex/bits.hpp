@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// Integer primitives below the fixed-point types: bit lengths, rounded shifts, magnitudes.
+// None can overflow on its documented domain; none has undefined behaviour.
+#pragma once
+#include <stdint.h>
+
+namespace spantex {
+
+// How a stage drops bits. `floor` is towards minus infinity, `nearest` rounds halves up (towards plus
+// infinity), `even` rounds halves to the even neighbour.
+enum class rounding : uint8_t { floor, nearest, even };
+
+// Number of bits needed to write x: 0 for 0, otherwise floor(log2 x) + 1.
+constexpr int bit_length(uint64_t x) { return x == 0 ? 0 : 64 - __builtin_clzll(x); }
+
+constexpr uint64_t magnitude(int64_t x) { return x < 0 ? 0 - uint64_t(x) : uint64_t(x); }
+
+constexpr int max_of(int a, int b) { return a > b ? a : b; }
+constexpr int min_of(int a, int b) { return a < b ? a : b; }
+
+template <class T>
+constexpr T clamp_to(T x, T low, T high) { return x < low ? low : x > high ? high : x; }
+
+// x / 2^shift, rounded. Domain: 0 <= shift <= 62, |x| <= 2^63 - 2^(shift-1) - 1 (the addend must fit).
+template <class Int>
+constexpr Int shift_right(Int x, int shift, rounding mode = rounding::nearest) {
+  if (shift <= 0) return x;
+  if (mode == rounding::floor) return Int(x >> shift);
+  const Int half = Int(Int(1) << (shift - 1));
+  if (mode == rounding::nearest) return Int((x + half) >> shift);
+  const Int odd = Int((x >> shift) & 1);
+  return Int((x + half - 1 + odd) >> shift);
+}
+
+// As above for any sign of shift; a negative one scales up. The caller guarantees that the result fits.
+template <class Int>
+constexpr Int scale_down(Int x, int shift, rounding mode = rounding::nearest) {
+  return shift >= 0 ? shift_right(x, shift, mode) : Int(x * (Int(1) << -shift));
+}
+
+}  // namespace spantex

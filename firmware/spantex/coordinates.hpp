@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: Apache-2.0
+// Texture coordinates in span-relative form (METHODS "Numerical notes"; docs/SPEC.md "Coordinates").
+//
+// Set-up side: reference_at() rebases a plane on whole texels at a reference point. The rebased numerators
+//   c = Nu - base W,  a = A - base G,  b = B - base H
+// are exact integers, so nothing cancels later; one reciprocal of W then serves every quotient of the span.
+// Datapath side: position_at() evaluates one pixel.
+#pragma once
+#include <stdint.h>
+
+#include <spantex/bits.hpp>
+#include <spantex/fixed.hpp>
+#include <spantex/plane.hpp>
+#include <spantex/profile.hpp>
+#include <spantex/reciprocal.hpp>
+#include <spantex/span.hpp>
+
+namespace spantex {
+
+using coordinate = s<15, 16>;  // texels of level 0
+
+struct texel_position { coordinate u, v; };
+
+// --- set-up side ---------------------------------------------------------------------------------------
+
+// A plane about a point with W > 0; exact but for the choice of base.
+struct reference {
+  inverse inverse_w;
+  int64_t w;
+  int32_t base_u, base_v;          // nearest whole texel, give or take 2^-14
+  int64_t c_u, a_u, b_u, c_v, a_v, b_v;
+  bool in_range;                   // |u|, |v| < 2^15 there
+};
+
+namespace detail {
+
+// Nearest whole number to n/w, or saturated to +-32767 (in_range false) if it is out of range.
+constexpr int32_t whole_quotient(int64_t n, int64_t w, inverse iw, bool& in_range) {
+  constexpr int32_t limit = 32767;
+  const int bits = bit_length(magnitude(n));
+  if (bits > bit_length(uint64_t(w)) + 15) {
+    in_range = false;
+    return n < 0 ? -limit : limit;
+  }
+  const int32_t q = quotient(n, max_of(0, bits - 31), iw, 0);
+  if (q > limit || q < -limit) in_range = false;
+  return clamp_to(q, -limit, limit);
+}
+
+}  // namespace detail
+
+constexpr reference reference_at(const plane& p, int32_t hx, int32_t hy) {
+  reference r{};
+  r.w = p.w_at(hx, hy);
+  r.inverse_w = invert(r.w);
+  r.in_range = true;
+  const int64_t nu = p.u_at(hx, hy), nv = p.v_at(hx, hy);
+  r.base_u = detail::whole_quotient(nu, r.w, r.inverse_w, r.in_range);
+  r.base_v = detail::whole_quotient(nv, r.w, r.inverse_w, r.in_range);
+  r.c_u = nu - r.base_u * r.w;
+  r.a_u = p.u.x - r.base_u * p.w.x;
+  r.b_u = p.u.y - r.base_u * p.w.y;
+  r.c_v = nv - r.base_v * r.w;
+  r.a_v = p.v.x - r.base_v * p.w.x;
+  r.b_v = p.v.y - r.base_v * p.w.y;
+  return r;
+}
+
+inline constexpr int max_extent_log2 = 12;  // span mode: texels of level 0 that a span may reach from its base
+inline constexpr int max_exponent = 40;
+
+// Half pixels from the centre to the outermost pixel centres.
+inline constexpr int reach = span_side - 1;
+
+// Fills the coordinate part of a span's coefficients about its centre. False if the span must be evaluated pixel by pixel:
+// its centre is behind the viewer or out of range, w leaves (1/2, 3/2), or it reaches more than 2^max_extent_log2 texels.
+constexpr bool span_coordinates(const plane& p, const reference& r, const profile& q, span_coefficients& c) {
+  if (!r.in_range) return false;
+  const uint64_t slope = reach * (magnitude(p.w.x) + magnitude(p.w.y));
+  if (slope >= uint64_t(r.w) / 2) return false;
+  const uint64_t extent_u = magnitude(r.c_u) + reach * (magnitude(r.a_u) + magnitude(r.b_u));
+  const uint64_t extent_v = magnitude(r.c_v) + reach * (magnitude(r.a_v) + magnitude(r.b_v));
+  const uint64_t extent = extent_u > extent_v ? extent_u : extent_v;
+  // extent / W < 2^extent_log2
+  const int extent_log2 = bit_length(extent) - bit_length(uint64_t(r.w)) + 1;
+  if (extent_log2 > max_extent_log2) return false;
+  const int exponent = min_of(q.offset_bits - 1 - extent_log2, max_exponent);  // one bit for the roundings of the terms
+  const int drop = max_of(0, bit_length(extent) - 31);
+  c.base_u = r.base_u;
+  c.base_v = r.base_v;
+  c.c_u = quotient(r.c_u, drop, r.inverse_w, exponent);
+  c.a_u = quotient(r.a_u, drop, r.inverse_w, exponent);
+  c.b_u = quotient(r.b_u, drop, r.inverse_w, exponent);
+  c.c_v = quotient(r.c_v, drop, r.inverse_w, exponent);
+  c.a_v = quotient(r.a_v, drop, r.inverse_w, exponent);
+  c.b_v = quotient(r.b_v, drop, r.inverse_w, exponent);
+  const int slope_drop = max_of(0, bit_length(slope) - 31);
+  c.g = quotient(p.w.x, slope_drop, r.inverse_w, q.reciprocal_bits);
+  c.h = quotient(p.w.y, slope_drop, r.inverse_w, q.reciprocal_bits);
+  c.exponent = int8_t(exponent);
+
+  // |e| < 2^slope_log2: leaving the divide out errs by at most extent e / (1 - e) <= 2 extent e texels, one term by 2 extent e^2.
+  const int slope_log2 = bit_length(slope) - bit_length(uint64_t(r.w)) + 1;
+  const int affine_log2 = extent_log2 + slope_log2 + 1;
+  if (slope == 0 || affine_log2 <= -q.tolerance_bits) c.how = evaluation::affine;
+  else if (affine_log2 + slope_log2 <= -q.tolerance_bits) c.how = evaluation::one_term;
+  else c.how = evaluation::divide;
+  return true;
+}
+
+// Fills the coordinate part for a single pixel about its own centre: the same position wherever it is evaluated.
+constexpr void pixel_coordinates(const reference& r, const profile& q, span_coefficients& c) {
+  c.base_u = r.base_u;
+  c.base_v = r.base_v;
+  c.a_u = c.b_u = c.a_v = c.b_v = c.g = c.h = 0;
+  c.c_u = c.c_v = 0;
+  c.exponent = int8_t(min_of(q.offset_bits - 2, max_exponent));
+  c.how = evaluation::affine;
+  const auto offset = [&](int64_t n) { return quotient(n, max_of(0, bit_length(magnitude(n)) - 31), r.inverse_w, c.exponent); };
+  if (r.in_range) {
+    c.c_u = offset(r.c_u);
+    c.c_v = offset(r.c_v);
+  }
+}
+
+// --- datapath side -------------------------------------------------------------------------------------
+
+// Half pixels from the span's centre to pixel column or row i.
+constexpr int32_t half_pixels(int i) { return 2 * i - reach; }
+
+template <class Prof> using offset_mantissa = s<Prof::max_offset_bits, 0>;
+template <class Prof> using relative_w = u<1, Prof::max_reciprocal_bits>;
+
+// w = 1 + g hx + h hy as reciprocal_bits fraction bits, in (1/2, 3/2) by the planner's condition.
+template <class Prof>
+constexpr uint32_t w_at(const Prof& prof, const span_coefficients& c, int i, int j) {
+  return uint32_t((int32_t(1) << prof.get().reciprocal_bits) + c.g * half_pixels(i) + c.h * half_pixels(j));
+}
+
+// 1/w for w in (1/2, 3/2), same format.
+constexpr uint32_t reciprocal_of_w(uint32_t w, int bits) {
+  const int below_one = (w >> bits) == 0 ? 1 : 0;
+  if (bits <= 15) {
+    const uint32_t y = reciprocal_narrow(w << (15 - bits + below_one));
+    return shift_right(y, 16 - bits - below_one);
+  }
+  const uint64_t y = reciprocal_wide(w << (31 - bits + below_one));
+  return uint32_t(shift_right(y, 32 - bits - below_one));
+}
+
+template <class Prof>
+constexpr uint32_t reciprocal_at(const Prof& prof, const span_coefficients& c, int i, int j) {
+  const int bits = prof.get().reciprocal_bits;
+  switch (c.how) {
+    case evaluation::affine: return uint32_t(1) << bits;
+    case evaluation::one_term: return (uint32_t(2) << bits) - w_at(prof, c, i, j);
+    case evaluation::divide: break;
+  }
+  return reciprocal_of_w(w_at(prof, c, i, j), bits);
+}
+
+// base + n / w, rounded once to coordinate_bits and saturated to s15.16.
+template <class Prof>
+constexpr coordinate coordinate_at(const Prof& prof, const span_coefficients& c, int32_t base, int32_t n, uint32_t reciprocal) {
+  const profile& q = prof.get();
+  using product = decltype(offset_mantissa<Prof>{} * relative_w<Prof>{});
+  const int drop = c.exponent - q.coordinate_bits;
+  typename product::rep offset;
+  if (c.how == evaluation::affine) {
+    offset = scale_down(typename product::rep(n), drop);
+  } else {
+    const product p = offset_mantissa<Prof>::from_raw(n) * relative_w<Prof>::from_raw(reciprocal);
+    offset = shift_right(p.raw(), drop + q.reciprocal_bits);
+  }
+  const int up = 16 - q.coordinate_bits;
+  const int64_t sum = (int64_t(base) << 16) + (int64_t(offset) << up);
+  return sat_to<coordinate>(s<31, 16>::from_raw(sum));
+}
+
+template <class Prof>
+constexpr texel_position position_at(const Prof& prof, const span_coefficients& c, int i, int j) {
+  const int32_t hx = half_pixels(i), hy = half_pixels(j);
+  const uint32_t reciprocal = reciprocal_at(prof, c, i, j);
+  return {coordinate_at(prof, c, c.base_u, c.c_u + c.a_u * hx + c.b_u * hy, reciprocal),
+          coordinate_at(prof, c, c.base_v, c.c_v + c.a_v * hx + c.b_v * hy, reciprocal)};
+}
+
+// Bound of |position_at - the true linear-fractional function of the same coefficients|, raw s15.16: the roundings, the
+// reciprocal's error and what the cheaper evaluations leave out.
+template <class Prof>
+constexpr int32_t position_slack(const Prof& prof, const span_coefficients& c) {
+  const profile& q = prof.get();
+  const int extent_log2 = q.offset_bits - c.exponent;                      // |n| 2^-exponent < 2^extent_log2
+  const int reciprocal_error = extent_log2 + 16 - q.reciprocal_bits + 3;   // log2, raw units
+  return (2 << (16 - q.coordinate_bits)) + (c.how == evaluation::affine ? 0 : 1 << (16 - q.tolerance_bits)) +
+         (c.how == evaluation::affine || reciprocal_error < 0 ? 1 : 1 << reciprocal_error);
+}
+
+}  // namespace spantex

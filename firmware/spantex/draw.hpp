@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: Apache-2.0
+// The draw layer: spans of a plane or polygon, visibility, and the two halves of the engine used in turn, so that loading job
+// k+1 overlaps computing job k. The only part of the library that names the HAL.
+#pragma once
+#include <stdint.h>
+
+#include <hal/engine.hpp>
+#include <spantex/coverage.hpp>
+#include <spantex/loader.hpp>
+#include <spantex/plan.hpp>
+#include <spantex/polygon.hpp>
+#include <spantex/status.hpp>
+
+namespace spantex {
+
+// Where pixels go: RGBA8888, rows of `stride` pixels, caller's memory.
+struct frame_buffer {
+  rgba8* pixels;
+  int32_t width, height, stride;
+};
+
+// Optional depth, one word per pixel of the frame: near/z as u0.31, 0 where nothing was drawn. Larger is nearer.
+struct depth_buffer {
+  uint32_t* values = nullptr;
+};
+
+struct draw_counters {
+  uint64_t spans_total = 0;       // spans looked at
+  uint64_t spans_empty = 0;       // skipped: no pixel covered
+  uint64_t spans_behind = 0;      // skipped: no covered pixel in front of the viewer
+  uint64_t spans_hidden = 0;      // skipped: every covered pixel behind what is drawn already
+  uint64_t jobs = 0;              // engine runs
+  uint64_t pixels = 0;            // pixels computed
+  uint64_t words_loaded = 0;      // 64-bit words into local memory
+  uint64_t loads_skipped = 0;     // sections found loaded already
+  uint64_t second_levels_skipped = 0;  // two-level jobs that needed the finer one only
+  uint64_t divides = 0;           // reciprocals: one a span, one a pixel where the span needs it
+  uint64_t corrected_jobs = 0;    // jobs whose section did not fit and were clamped
+};
+
+template <span_engine Engine, class Prof>
+class renderer {
+ public:
+  // The frame must outlive the renderer. clip: see draw().
+  constexpr renderer(Engine& engine, const Prof& prof, const frame_buffer& frame) : engine_(engine), prof_(prof), frame_(frame) {}
+
+  // Use one half only: what double buffering hides becomes visible.
+  constexpr void single_half(bool on) { single_half_ = on; }
+
+  // Draws the part of the plane in front of the viewer inside `area`. Errors: what the engine reports.
+  constexpr status draw(const plane& p, const texture_view& t, filter kind, rectangle area) {
+    const surface s{&p, &t, kind};
+    return each_span(area, [&](int32_t sx, int32_t sy) {
+      ++counters_.spans_total;
+      const span_mask mask = rectangle_mask(area, sx, sy);
+      return draw_span(s, sx, sy, mask);
+    });
+  }
+
+  // Draws a polygon, hidden parts left out where a depth buffer is given. Errors: what the engine reports.
+  constexpr status draw(const polygon& p, const texture_view& t, filter kind, depth_buffer depth = {}) {
+    const surface s{&p.map, &t, kind};
+    return each_span(p.box, [&](int32_t sx, int32_t sy) {
+      ++counters_.spans_total;
+      span_mask mask = coverage(p.edges, sx, sy) & rectangle_mask(p.box, sx, sy);
+      if (mask != 0 && depth.values != nullptr) {
+        mask = depth_test(p, sx, sy, mask & front_mask(p.map, sx, sy), depth);
+        if (mask == 0) { ++counters_.spans_hidden; return status::ok; }
+      }
+      return draw_span(s, sx, sy, mask);
+    });
+  }
+
+  // One span of a plane, in whatever order the caller likes.
+  constexpr status draw_span(const surface& s, int32_t sx, int32_t sy, span_mask covered) {
+    if (covered == 0) { ++counters_.spans_empty; return status::ok; }
+    const span_mask mask = covered & front_mask(*s.map, sx, sy);
+    if (mask == 0) { ++counters_.spans_behind; return status::ok; }
+    return plan_span(prof_, s, sx, sy, mask, [&](span_job& job) { return submit(s, sx, sy, job); });
+  }
+
+  // Takes what is still computing. Call before the frame is read.
+  constexpr status finish() {
+    for (int k = 0; k < half_count; ++k) {
+      SPANTEX_TRY(collect(next_));
+      next_ = other(next_);
+    }
+    engine_.mark({event_kind::frame_end, 0});
+    return status::ok;
+  }
+
+  constexpr const draw_counters& counters() const { return counters_; }
+
+ private:
+  struct pending_job {
+    span_mask mask = 0;  // zero: nothing to take
+    int32_t sx = 0, sy = 0;
+  };
+  struct loaded_section {
+    texture_view texture;
+    section at{};
+    texel_box box{};
+    bool valid = false;
+  };
+
+  template <class Each>
+  constexpr status each_span(rectangle area, Each each) {
+    area = intersection(area, {0, 0, frame_.width, frame_.height});
+    if (area.empty()) return status::ok;
+    for (int32_t sy = area.y0 / span_side; sy <= (area.y1 - 1) / span_side; ++sy)
+      for (int32_t sx = area.x0 / span_side; sx <= (area.x1 - 1) / span_side; ++sx) SPANTEX_TRY(each(sx, sy));
+    return status::ok;
+  }
+
+  constexpr span_mask depth_test(const polygon& p, int32_t sx, int32_t sy, span_mask mask, depth_buffer depth) const {
+    span_mask visible = 0;
+    for (span_mask rest = mask; rest != 0; rest &= rest - 1) {
+      const int k = __builtin_ctzll(rest);
+      const int32_t x = sx * span_side + k % span_side, y = sy * span_side + k / span_side;
+      const uint32_t z = depth_at(p, 2 * x + 1, 2 * y + 1);
+      uint32_t& stored = depth.values[y * frame_.width + x];
+      if (z <= stored) continue;
+      stored = z;
+      visible |= span_mask(1) << k;
+    }
+    return visible;
+  }
+
+  constexpr status submit(const surface& s, int32_t sx, int32_t sy, span_job& job) {
+    const half h = next_;
+    SPANTEX_TRY(collect(h));
+    engine_.mark({event_kind::span, uint32_t(sy) << 16 | uint32_t(sx)});
+    span_coefficients& c = job.coefficients;
+    SPANTEX_TRY(load(h, *s.texture, c.fine, job.fine, false));
+    if (c.two_levels) SPANTEX_TRY(load(h, *s.texture, c.coarse, job.coarse, true));
+    SPANTEX_TRY(engine_.load_coefficients(h, c));
+    SPANTEX_TRY(engine_.start(h, job.mask));
+    pending_[int(h)] = {job.mask, sx, sy};
+    ++counters_.jobs;
+    counters_.pixels += uint64_t(__builtin_popcountll(job.mask));
+    counters_.divides += uint64_t(job.divides);
+    if (c.corrects) ++counters_.corrected_jobs;
+    if (uses_two_levels(c.kind) && !c.two_levels) ++counters_.second_levels_skipped;
+    if (!single_half_) next_ = other(h);
+    return status::ok;
+  }
+
+  // Loads a section unless the half holds it already. A held section serves a smaller box if nothing is clamped to it.
+  constexpr status load(half h, const texture_view& t, section& at, const texel_box& box, bool coarse) {
+    loaded_section& held = held_[int(h)][coarse];
+    const bool same_level = held.valid && held.at.level == at.level && held.texture.same_as(t);
+    const bool inside = box.u0 >= held.box.u0 && box.v0 >= held.box.v0 && box.u1 <= held.box.u1 && box.v1 <= held.box.v1;
+    const bool same_place = held.at.origin_u == at.origin_u && held.at.origin_v == at.origin_v;
+    if (same_level && inside && (same_place || prof_.get().overflow != overflow_policy::clamp)) {
+      at.origin_u = held.at.origin_u;
+      at.origin_v = held.at.origin_v;
+      ++counters_.loads_skipped;
+      return status::ok;
+    }
+    held.valid = false;
+    SPANTEX_TRY(load_section(prof_, t, at, box, coarse, [&](int first, const uint64_t* words, int count) {
+      counters_.words_loaded += uint64_t(count);
+      return engine_.load_words(h, first, words, count);
+    }));
+    held = {t, at, box, true};
+    return status::ok;
+  }
+
+  // Waits for a half and writes its pixels out.
+  constexpr status collect(half h) {
+    pending_job& job = pending_[int(h)];
+    if (job.mask == 0) return status::ok;
+    span_pixels pixels;
+    SPANTEX_TRY(engine_.take(h, pixels));
+    for (; job.mask != 0; job.mask &= job.mask - 1) {
+      const int k = __builtin_ctzll(job.mask);
+      const int32_t x = job.sx * span_side + k % span_side, y = job.sy * span_side + k / span_side;
+      frame_.pixels[y * frame_.stride + x] = pixels.pixel[k];
+    }
+    return status::ok;
+  }
+
+  Engine& engine_;
+  Prof prof_;
+  frame_buffer frame_;
+  draw_counters counters_{};
+  pending_job pending_[half_count];
+  loaded_section held_[half_count][2];
+  half next_ = half::first;
+  bool single_half_ = false;
+};
+
+}  // namespace spantex

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+// Level of detail (KT88, METHODS section 1; docs/SPEC.md "Level of detail").
+//
+// For a plane, W^2 du/dx depends on the row only and W^2 du/dy on the column only (exact algebra), so
+//   level(i, j) = max(row[j], column[i]) - 2 log2 w(i, j)
+// holds for Vulkan's rho (the longer column of the Jacobian), and with row = column = constant for KT88's major axis.
+#pragma once
+#include <stdint.h>
+
+#include <spantex/bits.hpp>
+#include <spantex/coordinates.hpp>
+#include <spantex/log2.hpp>
+#include <spantex/profile.hpp>
+#include <spantex/span.hpp>
+
+namespace spantex {
+
+inline constexpr int level_term_bits = 10;
+
+struct level_terms { int32_t row[span_side], column[span_side]; };
+
+namespace detail {
+
+// s.16 to the s5.10 of the coefficient memory.
+constexpr int16_t level_term(int32_t level_16) {
+  return int16_t(clamp_to(shift_right(level_16, 16 - level_term_bits), int32_t(-32) * 1024, int32_t(32) * 1024 - 1));
+}
+
+// log2 of the length of (du, dv) 2^-exponent per half pixel, per pixel; minus infinity becomes -32.
+constexpr int16_t log2_length(int64_t du, int64_t dv, int exponent) {
+  const uint64_t square = uint64_t(du * du) + uint64_t(dv * dv);
+  if (square == 0) return level_term(-(32 << 16));
+  return level_term(log2_16(square) / 2 + (1 - exponent) * (1 << 16));
+}
+
+// x y / 2^30 for a slope with `bits` fraction bits.
+constexpr int64_t times_slope(int32_t x, int32_t slope, int bits) { return shift_right(int64_t(x) * slope, bits); }
+
+constexpr void fill(int16_t (&row)[span_side], int16_t value) {
+  for (int k = 0; k < span_side; ++k) row[k] = value;
+}
+
+}  // namespace detail
+
+// Terms of a span evaluated about its centre.
+//   w^2 du/dx = (a - c g) + (a h - b g) hy,  w^2 du/dy = (b - c h) - (a h - b g) hx,  in texels per half pixel
+constexpr void span_levels(const profile& q, span_coefficients& c) {
+  const int bits = q.reciprocal_bits;
+  const auto slope = [&](int32_t x, int32_t s) { return detail::times_slope(x, s, bits); };
+  const int64_t ux = c.a_u - slope(c.c_u, c.g), vx = c.a_v - slope(c.c_v, c.g);
+  const int64_t uy = c.b_u - slope(c.c_u, c.h), vy = c.b_v - slope(c.c_v, c.h);
+  const int64_t twist_u = slope(c.a_u, c.h) - slope(c.b_u, c.g), twist_v = slope(c.a_v, c.h) - slope(c.b_v, c.g);
+  for (int k = 0; k < span_side; ++k) {
+    const int32_t half = half_pixels(k);
+    c.level_row[k] = detail::log2_length(ux + twist_u * half, vx + twist_v * half, c.exponent);
+    c.level_column[k] = detail::log2_length(uy - twist_u * half, vy - twist_v * half, c.exponent);
+  }
+}
+
+// Terms of a single pixel about its own centre: W du/dx = a - (c/W) G.
+constexpr void pixel_levels(const plane& p, const reference& r, span_coefficients& c) {
+  if (!r.in_range) {  // beyond every promised coordinate: the coarsest level
+    detail::fill(c.level_row, detail::level_term(31 << 16));
+    detail::fill(c.level_column, detail::level_term(31 << 16));
+    return;
+  }
+  constexpr int fraction_bits = 29;
+  const auto fraction = [&](int64_t n) { return quotient(n, max_of(0, bit_length(magnitude(n)) - 31), r.inverse_w, fraction_bits); };
+  const int32_t fu = fraction(r.c_u), fv = fraction(r.c_v);
+  const auto product = [](int32_t f, int64_t slope) {  // f slope 2^-29 without a 96-bit product; |slope| < 2^45
+    return shift_right(f * (slope >> 16), fraction_bits - 16) + shift_right(f * (slope & 0xFFFF), fraction_bits);
+  };
+  const int64_t ux = r.a_u - product(fu, p.w.x), vx = r.a_v - product(fv, p.w.x);
+  const int64_t uy = r.b_u - product(fu, p.w.y), vy = r.b_v - product(fv, p.w.y);
+  const auto length = [&](int64_t du, int64_t dv) {
+    const int bits = max_of(bit_length(magnitude(du)), bit_length(magnitude(dv)));
+    const int drop = max_of(0, bits - 31);
+    const uint64_t x = magnitude(du) >> drop, y = magnitude(dv) >> drop, square = x * x + y * y;
+    if (square == 0) return detail::level_term(-(32 << 16));
+    return detail::level_term(log2_16(square) / 2 + ((drop + 1) << 16) - log2_16(uint64_t(r.w)));
+  };
+  detail::fill(c.level_row, length(ux, vx));
+  detail::fill(c.level_column, length(uy, vy));
+}
+
+// KT88: the same for every row and column.
+constexpr void major_levels(const plane& p, const reference& r, span_coefficients& c) {
+  const int16_t term = detail::level_term(p.major_log2 - 2 * log2_16(uint64_t(r.w)));
+  detail::fill(c.level_row, term);
+  detail::fill(c.level_column, term);
+}
+
+// The level of detail of a pixel in 2^-level_bits, clamped to [0, last_level].
+template <class Prof>
+constexpr int32_t level_at(const Prof& prof, const span_coefficients& c, int i, int j) {
+  const profile& q = prof.get();
+  int32_t level = int32_t(c.level_row[j] > c.level_column[i] ? c.level_row[j] : c.level_column[i]) * (1 << (16 - level_term_bits));
+  if ((c.g | c.h) != 0) level -= 2 * (log2_16(w_at(prof, c, i, j)) - (q.reciprocal_bits << 16));
+  level += q.level_bias * (1 << 12);
+  return clamp_to(shift_right(level, 16 - q.level_bits), 0, int32_t(c.last_level) << q.level_bits);
+}
+
+// Integer level a pixel is computed at. Two-level filters take the finer one; mip_bilinear the nearest, ceil(d + 1/2) - 1.
+constexpr int integer_level(filter kind, int32_t level, int level_bits, int last_level) {
+  if (!uses_levels(kind)) return 0;
+  if (uses_two_levels(kind)) return min_of(level >> level_bits, last_level);
+  const int32_t half = 1 << (level_bits - 1);
+  return max_of(0, ((level + half + (1 << level_bits) - 1) >> level_bits) - 1);
+}
+
+}  // namespace spantex

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+// The loader: texels of a map section, wrapped, packed into the 64-bit words of local memory (local_memory.hpp tells the layout).
+#pragma once
+#include <stdint.h>
+
+#include <spantex/local_memory.hpp>
+#include <spantex/plan.hpp>
+#include <spantex/texture.hpp>
+
+namespace spantex {
+
+// Two load words for one aligned 2x2 of texels: channels R, G and channels B, A.
+struct block_words { uint64_t red_green, blue_alpha; };
+
+constexpr block_words pack_block(const rgba8 (&t)[4]) {
+  block_words w{};
+  for (int k = 0; k < 4; ++k) {
+    w.red_green |= uint64_t(t[k].r) << (8 * k) | uint64_t(t[k].g) << (32 + 8 * k);
+    w.blue_alpha |= uint64_t(t[k].b) << (8 * k) | uint64_t(t[k].a) << (32 + 8 * k);
+  }
+  return w;
+}
+
+inline constexpr int max_blocks = 16;  // 2x2 blocks along a side of the largest local memory
+
+namespace detail {
+
+// One axis of a section: which blocks of local memory hold the texels low..high, and which texels those blocks hold.
+struct block_range {
+  int first, count;                    // blocks first, first + 1, ... modulo the blocks of a side
+  int32_t texel[max_blocks][2];        // wrapped; [k]: of the k-th of these blocks
+};
+
+template <class Wrap>
+constexpr block_range blocks_of(int32_t low, int32_t high, int32_t origin, int side, Wrap wrapped) {
+  const int32_t first = low >> 1;
+  block_range r{int(first & (side / 2 - 1)), min_of(side / 2, int((high >> 1) - first + 1)), {}};
+  for (int k = 0; k < r.count; ++k)
+    for (int half = 0; half < 2; ++half) {
+      int32_t t = 2 * (first + k) + half;
+      if (t < origin) t += side;       // the section holds this cell's texel at its far end
+      r.texel[k][half] = wrapped(t);
+    }
+  return r;
+}
+
+}  // namespace detail
+
+// Calls send(first word address, words, count) -> status for each run of blocks that holds texels of the box.
+template <class Prof, class Send>
+constexpr status load_section(const Prof& prof, const texture_view& t, const section& at, const texel_box& box, bool coarse, Send&& send) {
+  const profile& q = prof.get();
+  const int side = coarse ? q.coarse_side() : q.fine_side, blocks = side / 2, level = at.level;
+  const int first_word = coarse ? q.fine_side * q.fine_side / 2 : 0;
+  const auto columns = detail::blocks_of(box.u0, box.u1, at.origin_u, side, [&](int32_t k) { return t.wrapped_u(k, level); });
+  const auto rows = detail::blocks_of(box.v0, box.v1, at.origin_v, side, [&](int32_t k) { return t.wrapped_v(k, level); });
+  for (int r = 0; r < rows.count; ++r) {
+    const int row = (rows.first + r) & (blocks - 1);
+    const int32_t y0 = rows.texel[r][0], y1 = rows.texel[r][1];
+    uint64_t words[2 * max_blocks];
+    int count = 0, start = columns.first;
+    for (int k = 0; k < columns.count; ++k) {
+      const int32_t x0 = columns.texel[k][0], x1 = columns.texel[k][1];
+      const block_words w = pack_block({t.texel(level, x0, y0), t.texel(level, x1, y0), t.texel(level, x0, y1), t.texel(level, x1, y1)});
+      words[count++] = w.red_green;
+      words[count++] = w.blue_alpha;
+      const bool at_edge = ((columns.first + k + 1) & (blocks - 1)) == 0;
+      if (!at_edge && k + 1 < columns.count) continue;
+      SPANTEX_TRY(send(first_word + (row * blocks + start) * 2, words, count));
+      count = start = 0;
+    }
+  }
+  return status::ok;
+}
+
+}  // namespace spantex

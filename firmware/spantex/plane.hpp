@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: Apache-2.0
+// Planes: u = Nu/W, v = Nv/W with Nu, Nv, W linear on the screen (KT88; METHODS section 1).
+//
+// Screen positions are in half pixels, so that pixel centres and span centres are both whole numbers: pixel (i, j) has its
+// centre at (2i+1, 2j+1), the centre of span (I, J) lies at (16I+8, 16J+8). Coefficients are integers with one
+// common scale, exact from here on: |Nu|, |Nv| < 2^59 and |W| < 2^45 over the plane's region.
+#pragma once
+#include <stdint.h>
+
+#include <spantex/bits.hpp>
+#include <spantex/fixed.hpp>
+#include <spantex/log2.hpp>
+#include <spantex/status.hpp>
+#include <spantex/wide.hpp>
+
+namespace spantex {
+
+inline constexpr int max_screen_px = 4096;
+
+// Half-open rectangle of pixels.
+struct rectangle {
+  int32_t x0, y0, x1, y1;
+  constexpr bool empty() const { return x0 >= x1 || y0 >= y1; }
+};
+
+constexpr rectangle intersection(rectangle a, rectangle b) {
+  return {max_of(a.x0, b.x0), max_of(a.y0, b.y0), min_of(a.x1, b.x1), min_of(a.y1, b.y1)};
+}
+
+// value(hx, hy) = c + x (hx - origin_x) + y (hy - origin_y)
+struct linear_form {
+  int64_t x, y, c;
+};
+
+struct plane {
+  linear_form u, v, w;
+  int32_t origin_x, origin_y;  // half pixels
+  int32_t major_log2;          // KT88's log2 K in the scale of w, s15.16: level = major_log2 - 2 log2 W
+
+  constexpr int64_t value(const linear_form& f, int32_t hx, int32_t hy) const {
+    return f.c + f.x * (hx - origin_x) + f.y * (hy - origin_y);
+  }
+  constexpr int64_t u_at(int32_t hx, int32_t hy) const { return value(u, hx, hy); }
+  constexpr int64_t v_at(int32_t hx, int32_t hy) const { return value(v, hx, hy); }
+  constexpr int64_t w_at(int32_t hx, int32_t hy) const { return value(w, hx, hy); }
+};
+
+// Homogeneous coefficients before normalisation: u = (a x + b y + c)/(g x + h y + i), v = (d x + e y + f)/(...), x and y in
+// pixels, origin top left. Only ratios matter, and the sign: a point is in front where g x + h y + i > 0. |each| < 2^124.
+struct homography {
+  wide a, b, c, d, e, f, g, h, i;
+};
+
+namespace detail {
+
+struct wide_form {
+  wide x, y, c;
+};
+
+// From pixels to half pixels about (ox, oy): x stays, c doubles and moves.
+constexpr wide_form about(wide x, wide y, wide c, int32_t ox, int32_t oy) {
+  return {x, y, multiply(x, ox) + multiply(y, oy) + c + c};
+}
+
+// Bits of the largest |value| within rx, ry half pixels of the origin (a bound: the sum of the magnitudes).
+constexpr int bound_bits(const wide_form& f, int32_t rx, int32_t ry) {
+  return bit_length(magnitude(multiply(magnitude(f.x), rx)) + magnitude(multiply(magnitude(f.y), ry)) + magnitude(f.c));
+}
+
+constexpr linear_form narrowed(const wide_form& f, int drop) {
+  return {to_int64(scale_down(f.x, drop)), to_int64(scale_down(f.y, drop)), to_int64(scale_down(f.c, drop))};
+}
+
+}  // namespace detail
+
+// log2 of KT88's K such that K/W^2 is twice the longer column of the Jacobian at (hx, hy), where W > 0. For a plane seen by
+// KT88's camera K = 2 T Delta d is the same everywhere; for any other the formula is anchored at this point.
+constexpr int32_t major_log2_at(const plane& p, int32_t hx, int32_t hy) {
+  const int64_t w = p.w_at(hx, hy), nu = p.u_at(hx, hy), nv = p.v_at(hx, hy);
+  // W^2 du/dx = A W - Nu G, exactly, in half pixels; per pixel twice that, and twice again for the circle's diameter.
+  const wide ux = multiply(p.u.x, w) - multiply(nu, p.w.x), uy = multiply(p.u.y, w) - multiply(nu, p.w.y);
+  const wide vx = multiply(p.v.x, w) - multiply(nv, p.w.x), vy = multiply(p.v.y, w) - multiply(nv, p.w.y);
+  const int drop = max_of(0, max_of(max_of(bit_length(ux), bit_length(uy)), max_of(bit_length(vx), bit_length(vy))) - 31);
+  const auto square = [drop](wide a) {
+    const int64_t x = to_int64(shift_right_floor(magnitude(a), drop));
+    return uint64_t(x) * uint64_t(x);
+  };
+  const uint64_t sx = square(ux) + square(vx), sy = square(uy) + square(vy);
+  const uint64_t s = sx > sy ? sx : sy;
+  if (s == 0) return -(100 << 16);
+  return log2_16(s) / 2 + ((drop + 2) << 16);
+}
+
+namespace detail {
+
+// Normalises and tells by how many bits (`drop` may be negative): W of the plane = 2 W of the homography / 2^drop.
+constexpr status normalise(const homography& m, rectangle region, plane& out, int& drop) {
+  if (region.empty() || region.x0 < 0 || region.y0 < 0 || region.x1 > max_screen_px || region.y1 > max_screen_px)
+    return status::bad_size;
+  const int32_t ox = region.x0 + region.x1, oy = region.y0 + region.y1;
+  const wide_form u = about(m.a, m.b, m.c, ox, oy), v = about(m.d, m.e, m.f, ox, oy), w = about(m.g, m.h, m.i, ox, oy);
+  // Spans are evaluated at their centres, which may lie 8 pixels outside the region.
+  const int32_t rx = region.x1 - region.x0 + 32, ry = region.y1 - region.y0 + 32;
+  const int w_bits = bound_bits(w, rx, ry);
+  if (w_bits == 0) return status::degenerate;
+  drop = max_of(max_of(bound_bits(u, rx, ry), bound_bits(v, rx, ry)) - 59, w_bits - 45);
+  plane p{narrowed(u, drop), narrowed(v, drop), narrowed(w, drop), ox, oy, 0};
+  // Anchor of KT88's formula: the region's middle if it is in front of the viewer, else its nearest corner (largest W).
+  int32_t ax = ox, ay = oy;
+  if (p.w_at(ax, ay) <= 0) {
+    ax = p.w.x > 0 ? 2 * region.x1 - 1 : 2 * region.x0 + 1;
+    ay = p.w.y > 0 ? 2 * region.y1 - 1 : 2 * region.y0 + 1;
+    if (p.w_at(ax, ay) <= 0) return status::degenerate;
+  }
+  p.major_log2 = major_log2_at(p, ax, ay);
+  out = p;
+  return status::ok;
+}
+
+}  // namespace detail
+
+// Normalises a homography for use within `region` (pixels). Errors: degenerate if W is zero everywhere or not positive where it
+// is largest in the region; bad_size if the region is empty or leaves the screen limits.
+// Rounding: every coefficient once, to nearest, at 2^-59 of the largest numerator or 2^-45 of the largest divisor.
+constexpr status make_plane(const homography& m, rectangle region, plane& out) {
+  int drop = 0;
+  return detail::normalise(m, region, out, drop);
+}
+
+// KT88's plane (METHODS section 1): camera at the origin looking along +Z, plane N.P + d = 0, texture axes U and V on it,
+// anchor P0 with texture coordinates (u0, v0). Lengths s15.16; N is a unit vector s1.30; U and V are unit vectors times
+// the texels per unit of length, s15.16; the pixel steps dx = (2/M) tan(alpha/2), dy = (2/N) tan(beta/2) are u0.32.
+struct vector3 { int32_t x, y, z; };
+struct kt88_plane {
+  vector3 normal;      // s1.30
+  int32_t d;           // s15.16
+  vector3 axis_u, axis_v;  // s15.16
+  vector3 anchor;      // s15.16
+  int32_t u0, v0;      // s15.16, texels
+};
+struct view {
+  uint32_t step_x, step_y;  // u0.32: ray slope per pixel
+  int32_t width_px, height_px;
+};
+
+namespace detail {
+
+constexpr wide dot(const vector3& a, const vector3& b) {
+  return multiply(a.x, b.x) + multiply(a.y, b.y) + multiply(a.z, b.z);
+}
+
+inline constexpr int camera_bits = 40;  // fraction bits of U'k, V'k, Nk below
+
+// U'k = Nk U0' - d Uk with U0' = u0 - P0.U: exact in 62 fraction bits, then rounded to camera_bits.
+struct wide_vector { wide x, y, z; };
+constexpr wide_vector numerator(const kt88_plane& q, const vector3& axis, int32_t t0) {
+  const wide offset = shift_left(wide(t0), 16) - dot(q.anchor, axis);       // s33.32
+  const auto component = [&](int32_t n, int32_t a) {
+    return shift_right_nearest(multiply(offset, n) - shift_left(multiply(q.d, a), 30), 62 - camera_bits);
+  };
+  return {component(q.normal.x, axis.x), component(q.normal.y, axis.y), component(q.normal.z, axis.z)};
+}
+
+// A coefficient triple on rays r = (dx X0, dy Y0, 1), X0 = x - M/2: to pixels from the top left. Gains 33 fraction bits.
+struct wide_row { wide x, y, c; };
+constexpr wide_row on_screen(const wide_vector& k, const view& s) {
+  const wide x = multiply(k.x, int64_t(s.step_x)), y = multiply(k.y, int64_t(s.step_y));
+  const wide c2 = shift_left(k.z, 33) - multiply(x, s.width_px) - multiply(y, s.height_px);
+  return {x + x, y + y, c2};
+}
+
+// log2(2 T Delta d), 16 fraction bits: T the longer of the texture axes, Delta the larger pixel step.
+constexpr int32_t log2_major(const kt88_plane& q, const view& s) {
+  const auto squared = [](const vector3& a) {
+    const auto square = [](int32_t x) { return uint64_t(int64_t(x) * x); };
+    return square(a.x) + square(a.y) + square(a.z);                         // 32 fraction bits, below 2^64
+  };
+  const uint64_t tu = squared(q.axis_u), tv = squared(q.axis_v), t = tu > tv ? tu : tv;
+  const uint32_t step = s.step_x > s.step_y ? s.step_x : s.step_y;
+  if (t == 0 || step == 0) return -(100 << 16);
+  return ((log2_16(t) - (32 << 16)) / 2) + (log2_16(step) - (32 << 16)) + (log2_16(magnitude(q.d)) - (16 << 16)) + (1 << 16);
+}
+
+}  // namespace detail
+
+// Errors: degenerate (d = 0, or nothing in front of the viewer), bad_size.
+constexpr status make_plane(const kt88_plane& q, const view& s, plane& out) {
+  if (q.d == 0) return status::degenerate;
+  const auto normal = [](int32_t n) { return shift_left(wide(n), detail::camera_bits - 30); };
+  const detail::wide_row u = detail::on_screen(detail::numerator(q, q.axis_u, q.u0), s);
+  const detail::wide_row v = detail::on_screen(detail::numerator(q, q.axis_v, q.v0), s);
+  const detail::wide_row w = detail::on_screen({normal(q.normal.x), normal(q.normal.y), normal(q.normal.z)}, s);
+  // A ray meets the plane in front of the viewer where -d/W > 0: with d > 0 every sign turns.
+  const auto facing = [&](wide k) { return q.d > 0 ? -k : k; };
+  const homography m{facing(u.x), facing(u.y), facing(u.c), facing(v.x), facing(v.y), facing(v.c),
+                     facing(w.x), facing(w.y), facing(w.c)};
+  int drop = 0;
+  SPANTEX_TRY(detail::normalise(m, {0, 0, s.width_px, s.height_px}, out, drop));
+  // The plane's W carries camera_bits + 33 + 1 - drop fraction bits.
+  out.major_log2 = detail::log2_major(q, s) + 2 * ((detail::camera_bits + 34 - drop) << 16);
+  return status::ok;
+}
+
+}  // namespace spantex

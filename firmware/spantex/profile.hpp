@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+// Profiles: every word length and memory size in one place. On a device a profile is a type and all of it is known at
+// compile time; in the simulator the same numbers arrive at run time and pass through the same arithmetic.
+#pragma once
+#include <stdint.h>
+
+#include <spantex/bits.hpp>
+
+namespace spantex {
+
+// What happens when a span's map section does not fit local texture memory (VR11; docs/SPEC.md "Sections").
+enum class overflow_policy : uint8_t {
+  coarser,  // the level is raised until the section fits: blur
+  clamp,    // the correction clamps coordinates to the section: error, as in VR11
+  split,    // the span is computed in parts, each with its own section: cost
+};
+
+// Where the integer part of the level of detail is decided.
+enum class level_scope : uint8_t { span, pixel };
+
+// Which formula gives the level of detail (METHODS section 1).
+enum class level_formula : uint8_t {
+  major,     // KT88: log2 K - 2 log2 W, K fixed per plane; major axis of a circle of diameter two pixel intervals
+  jacobian,  // the longer column of the Jacobian, as Vulkan's rho
+};
+
+struct profile {
+  int fine_side = 16;                               // texels per side of the finer bank set; the coarser has half
+  overflow_policy overflow = overflow_policy::split;
+  level_scope scope = level_scope::pixel;
+  level_formula formula = level_formula::jacobian;
+  int level_bias = 0;                               // s3.4: added to the level of detail, in 1/16 level
+  int coordinate_bits = 16;                         // fraction bits of u, v in texels of level 0 (at most 16)
+  int offset_bits = 31;                             // magnitude bits of the span-relative numerators (at most 31)
+  int reciprocal_bits = 30;                         // fraction bits of 1/w and of the slopes g, h (at most 30)
+  int tolerance_bits = 12;                          // cheaper evaluations may err by 2^-tolerance_bits texel
+  int subtexel_bits = 8;                            // fraction bits of a snapped position: the weights of the filter
+  int level_bits = 8;                               // fraction bits of the level of detail
+  int blend_bits = 24;                              // fraction bits of a colour kept after each interpolation
+  rounding position_rounding = rounding::nearest;   // when a position is snapped to subtexel_bits
+  rounding colour_rounding = rounding::nearest;     // after each interpolation and at write-out
+
+  constexpr int coarse_side() const { return fine_side / 2; }
+  friend constexpr bool operator==(const profile&, const profile&) = default;
+};
+
+constexpr bool is_valid(const profile& p) {
+  return (p.fine_side == 8 || p.fine_side == 16 || p.fine_side == 32) &&
+         p.level_bias >= -128 && p.level_bias <= 127 &&
+         p.coordinate_bits >= 4 && p.coordinate_bits <= 16 && p.offset_bits >= 12 && p.offset_bits <= 31 &&
+         p.reciprocal_bits >= 10 && p.reciprocal_bits <= 30 && p.tolerance_bits >= 0 && p.tolerance_bits <= 16 &&
+         p.subtexel_bits >= 1 && p.subtexel_bits <= 8 && p.level_bits >= 1 && p.level_bits <= 8 &&
+         p.blend_bits >= 0 && p.blend_bits <= 24;
+}
+
+namespace profiles {
+
+// VR11's own machine: 8x8 + 4x4 texels, 2560 bits a copy, clamping correction, KT88 level of detail, one integer level a span.
+inline constexpr profile seed{.fine_side = 8, .overflow = overflow_policy::clamp, .scope = level_scope::span,
+                              .formula = level_formula::major, .coordinate_bits = 12, .offset_bits = 23,
+                              .reciprocal_bits = 22, .tolerance_bits = 8};
+
+// 32-bit products only: 16-bit numerators and reciprocals.
+inline constexpr profile compact{.fine_side = 8, .overflow = overflow_policy::coarser, .coordinate_bits = 10,
+                                 .offset_bits = 15, .reciprocal_bits = 14, .tolerance_bits = 7, .subtexel_bits = 6,
+                                 .level_bits = 6, .blend_bits = 8};
+
+// Quality for its cost.
+inline constexpr profile standard{.fine_side = 16, .coordinate_bits = 14, .tolerance_bits = 9, .blend_bits = 16};
+
+// The promised accuracy everywhere.
+inline constexpr profile exact{.fine_side = 32};
+
+}  // namespace profiles
+
+// A profile known at compile time.
+template <profile P>
+struct fixed_profile {
+  static_assert(is_valid(P), "spantex: a profile's numbers are outside their documented ranges");
+  static constexpr int max_fine_side = P.fine_side;
+  static constexpr int max_offset_bits = P.offset_bits;
+  static constexpr int max_reciprocal_bits = P.reciprocal_bits;
+  constexpr const profile& get() const { return value; }
+  static constexpr profile value = P;
+};
+
+// A profile known at run time (simulator and sweeps): the widest formats, quantised to the numbers given.
+struct run_time_profile {
+  static constexpr int max_fine_side = 32;
+  static constexpr int max_offset_bits = 31;
+  static constexpr int max_reciprocal_bits = 30;
+  constexpr const profile& get() const { return value; }
+  profile value;
+};
+
+}  // namespace spantex

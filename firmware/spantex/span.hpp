@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+// What crosses the HAL for one span: coefficients, a mask of pixels, and the pixels that come back.
+#pragma once
+#include <stdint.h>
+
+#include <spantex/coverage.hpp>
+
+namespace spantex {
+
+// A colour; bytes in this order in memory on every target.
+struct rgba8 {
+  uint8_t r, g, b, a;
+  friend constexpr bool operator==(const rgba8&, const rgba8&) = default;
+};
+
+inline constexpr int channel_count = 4;
+
+enum class filter : uint8_t { nearest, bilinear, three_point, mip_bilinear, trilinear, trilinear3 };
+
+constexpr bool uses_levels(filter f) { return f == filter::mip_bilinear || f == filter::trilinear || f == filter::trilinear3; }
+constexpr bool uses_two_levels(filter f) { return f == filter::trilinear || f == filter::trilinear3; }
+constexpr bool uses_three_points(filter f) { return f == filter::three_point || f == filter::trilinear3; }
+
+// How 1/w is evaluated on a span (docs/SPEC.md "Planner"). Each is chosen only where its error stays within the profile's tolerance.
+enum class evaluation : uint8_t {
+  affine,    // 1
+  one_term,  // 1 - e
+  divide,    // table and Newton's iteration
+};
+
+// Position of the map section in local memory for one level, and how level-0 coordinates become that level's.
+struct section {
+  int32_t origin_u, origin_v;  // first texel of the section, which is side x side texels, held at its index modulo the side
+  uint32_t ratio_u, ratio_v;   // u1.31: level size * 2^L / size of level 0; 2^31 for power-of-two sizes
+  uint8_t level;               // L
+  bool one_u, one_v;           // the level is one texel wide / high: every position is texel 0
+};
+
+// One span. Positions are relative to its reference point: the span's centre, or a pixel's centre.
+//   n_u = c_u + a_u hx + b_u hy,  w = 1 + g hx + h hy,  u = base_u + n_u / w 2^-exponent
+// with hx = 2i - 7, hy = 2j - 7: half pixels from the centre for pixel (i, j) of the span.
+struct span_coefficients {
+  int32_t base_u, base_v;                  // whole texels of level 0
+  int32_t c_u, a_u, b_u, c_v, a_v, b_v;    // texels 2^exponent; offset_bits magnitude for the sums
+  int32_t g, h;                            // reciprocal_bits fraction bits; |7g| + |7h| < 1/2
+  int16_t level_row[span_side];            // s5.10: level of detail for w = 1, along each row and each column
+  int16_t level_column[span_side];         // the larger of the two counts
+  section fine, coarse;
+  int8_t exponent;
+  uint8_t last_level;                      // of the map
+  evaluation how;
+  filter kind;
+  bool two_levels;                         // the coarser section is loaded and wanted
+  bool corrects;                           // the section may be too small: coordinates are clamped to it
+};
+
+struct span_pixels {
+  rgba8 pixel[span_pixel_count];           // only those in the mask are defined
+};
+
+}  // namespace spantex

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+// 128-bit signed integers for set-up, where the products of exact coordinates need up to 123 bits. Portable: no
+// compiler extension, so every target computes the same. Two's complement, wrapping; callers keep |x| < 2^126.
+#pragma once
+#include <stdint.h>
+
+#include <spantex/bits.hpp>
+
+namespace spantex {
+
+struct wide {
+  int64_t high = 0;
+  uint64_t low = 0;
+
+  constexpr wide() = default;
+  constexpr wide(int64_t x) : high(x < 0 ? -1 : 0), low(uint64_t(x)) {}
+  constexpr wide(int64_t h, uint64_t l) : high(h), low(l) {}
+
+  constexpr bool negative() const { return high < 0; }
+  constexpr bool zero() const { return high == 0 && low == 0; }
+};
+
+constexpr wide operator+(wide a, wide b) {
+  const uint64_t low = a.low + b.low;
+  return {int64_t(uint64_t(a.high) + uint64_t(b.high) + (low < a.low ? 1u : 0u)), low};
+}
+
+constexpr wide operator-(wide a) {
+  return {int64_t(~uint64_t(a.high) + (a.low == 0 ? 1u : 0u)), 0 - a.low};
+}
+
+constexpr wide operator-(wide a, wide b) { return a + -b; }
+
+constexpr wide magnitude(wide a) { return a.negative() ? -a : a; }
+
+// 64 x 64 -> 128, unsigned.
+constexpr wide multiply_unsigned(uint64_t a, uint64_t b) {
+  const uint64_t a0 = uint32_t(a), a1 = a >> 32, b0 = uint32_t(b), b1 = b >> 32;
+  const uint64_t p00 = a0 * b0, p01 = a0 * b1, p10 = a1 * b0, p11 = a1 * b1;
+  const uint64_t middle = (p00 >> 32) + uint32_t(p01) + uint32_t(p10);
+  return {int64_t(p11 + (p01 >> 32) + (p10 >> 32) + (middle >> 32)), (middle << 32) | uint32_t(p00)};
+}
+
+// 64 x 64 -> 128, signed, exact.
+constexpr wide multiply(int64_t a, int64_t b) {
+  const wide p = multiply_unsigned(magnitude(a), magnitude(b));
+  return (a < 0) != (b < 0) ? -p : p;
+}
+
+// 128 x 64 -> 128. The caller guarantees that the product fits.
+constexpr wide multiply(wide a, int64_t b) {
+  const wide m = magnitude(a);
+  wide p = multiply_unsigned(m.low, magnitude(b));
+  p.high = int64_t(uint64_t(p.high) + uint64_t(m.high) * magnitude(b));
+  return a.negative() != (b < 0) ? -p : p;
+}
+
+constexpr int bit_length(wide a) {
+  const wide m = magnitude(a);
+  return m.high != 0 ? 64 + bit_length(uint64_t(m.high)) : bit_length(m.low);
+}
+
+constexpr wide shift_left(wide a, int n) {
+  if (n == 0) return a;
+  if (n >= 64) return {int64_t(a.low << (n - 64)), 0};
+  return {int64_t((uint64_t(a.high) << n) | (a.low >> (64 - n))), a.low << n};
+}
+
+constexpr wide shift_right_floor(wide a, int n) {
+  if (n == 0) return a;
+  if (n >= 64) return wide(a.high >> (n == 64 ? 0 : n - 64));
+  return {a.high >> n, (uint64_t(a.high) << (64 - n)) | (a.low >> n)};
+}
+
+// a / 2^n to nearest, halves up.
+constexpr wide shift_right_nearest(wide a, int n) {
+  return n == 0 ? a : shift_right_floor(a + shift_left(wide(1), n - 1), n);
+}
+
+// a * 2^-n for any sign of n, to nearest.
+constexpr wide scale_down(wide a, int n) { return n >= 0 ? shift_right_nearest(a, n) : shift_left(a, -n); }
+
+constexpr bool operator<(wide a, wide b) { return (a - b).negative(); }
+
+// The low 64 bits as a signed number. The caller guarantees that the value fits.
+constexpr int64_t to_int64(wide a) { return int64_t(a.low); }
+
+// Quotient a / b to nearest (halves away from zero), b > 0, |quotient| < 2^63. One bit a step: set-up only.
+constexpr int64_t divide_nearest(wide a, int64_t b) {
+  const wide m = magnitude(a);
+  uint64_t remainder = 0, quotient = 0;
+  for (int i = bit_length(m) - 1; i >= 0; --i) {
+    const uint64_t bit = i >= 64 ? (uint64_t(m.high) >> (i - 64)) & 1 : (m.low >> i) & 1;
+    remainder = (remainder << 1) | bit;
+    quotient <<= 1;
+    if (remainder >= uint64_t(b)) { remainder -= uint64_t(b); quotient |= 1; }
+  }
+  if (remainder >= uint64_t(b) - remainder) ++quotient;
+  return a.negative() ? int64_t(0 - quotient) : int64_t(quotient);
+}
+
+}  // namespace spantex
