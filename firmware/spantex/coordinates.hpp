@@ -8,6 +8,7 @@
 #pragma once
 #include <stdint.h>
 
+#include <spantex/accuracy.hpp>
 #include <spantex/bits.hpp>
 #include <spantex/fixed.hpp>
 #include <spantex/plane.hpp>
@@ -29,7 +30,7 @@ struct reference {
   int64_t w;
   int32_t base_u, base_v;          // nearest whole texel, give or take 2^-14
   int64_t c_u, a_u, b_u, c_v, a_v, b_v;
-  bool in_range;                   // |u|, |v| < 2^15 there
+  bool u_in_range, v_in_range;     // |u|, |v| < 2^15 there
 };
 
 namespace detail {
@@ -53,10 +54,10 @@ constexpr reference reference_at(const plane& p, int32_t hx, int32_t hy) {
   reference r{};
   r.w = p.w_at(hx, hy);
   r.inverse_w = invert(r.w);
-  r.in_range = true;
+  r.u_in_range = r.v_in_range = true;
   const int64_t nu = p.u_at(hx, hy), nv = p.v_at(hx, hy);
-  r.base_u = detail::whole_quotient(nu, r.w, r.inverse_w, r.in_range);
-  r.base_v = detail::whole_quotient(nv, r.w, r.inverse_w, r.in_range);
+  r.base_u = detail::whole_quotient(nu, r.w, r.inverse_w, r.u_in_range);
+  r.base_v = detail::whole_quotient(nv, r.w, r.inverse_w, r.v_in_range);
   r.c_u = nu - r.base_u * r.w;
   r.a_u = p.u.x - r.base_u * p.w.x;
   r.b_u = p.u.y - r.base_u * p.w.y;
@@ -66,16 +67,13 @@ constexpr reference reference_at(const plane& p, int32_t hx, int32_t hy) {
   return r;
 }
 
-inline constexpr int max_extent_log2 = 12;  // span mode: texels of level 0 that a span may reach from its base
-inline constexpr int max_exponent = 40;
-
 // Half pixels from the centre to the outermost pixel centres.
 inline constexpr int reach = span_side - 1;
 
 // Fills the coordinate part of a span's coefficients about its centre. False if the span must be evaluated pixel by pixel:
 // its centre is behind the viewer or out of range, w leaves (1/2, 3/2), or it reaches more than 2^max_extent_log2 texels.
 constexpr bool span_coordinates(const plane& p, const reference& r, const profile& q, span_coefficients& c) {
-  if (!r.in_range) return false;
+  if (!r.u_in_range || !r.v_in_range) return false;
   const uint64_t slope = reach * (magnitude(p.w.x) + magnitude(p.w.y));
   if (slope >= uint64_t(r.w) / 2) return false;
   const uint64_t extent_u = magnitude(r.c_u) + reach * (magnitude(r.a_u) + magnitude(r.b_u));
@@ -84,7 +82,7 @@ constexpr bool span_coordinates(const plane& p, const reference& r, const profil
   // extent / W < 2^extent_log2
   const int extent_log2 = bit_length(extent) - bit_length(uint64_t(r.w)) + 1;
   if (extent_log2 > max_extent_log2) return false;
-  const int exponent = min_of(q.offset_bits - 1 - extent_log2, max_exponent);  // one bit for the roundings of the terms
+  const int exponent = mantissa_exponent(q, extent_log2);
   const int drop = max_of(0, bit_length(extent) - 31);
   c.base_u = r.base_u;
   c.base_v = r.base_v;
@@ -113,14 +111,12 @@ constexpr void pixel_coordinates(const reference& r, const profile& q, span_coef
   c.base_u = r.base_u;
   c.base_v = r.base_v;
   c.a_u = c.b_u = c.a_v = c.b_v = c.g = c.h = 0;
-  c.c_u = c.c_v = 0;
+  c.c_u = c.c_v = 0;  // what is out of range stays at +-32767
   c.exponent = int8_t(min_of(q.offset_bits - 2, max_exponent));
   c.how = evaluation::affine;
   const auto offset = [&](int64_t n) { return quotient(n, max_of(0, bit_length(magnitude(n)) - 31), r.inverse_w, c.exponent); };
-  if (r.in_range) {
-    c.c_u = offset(r.c_u);
-    c.c_v = offset(r.c_v);
-  }
+  if (r.u_in_range) c.c_u = offset(r.c_u);
+  if (r.v_in_range) c.c_v = offset(r.c_v);
 }
 
 // --- datapath side -------------------------------------------------------------------------------------
@@ -185,15 +181,13 @@ constexpr texel_position position_at(const Prof& prof, const span_coefficients& 
           coordinate_at(prof, c, c.base_v, c.c_v + c.a_v * hx + c.b_v * hy, reciprocal)};
 }
 
-// Bound of |position_at - the true linear-fractional function of the same coefficients|, raw s15.16: the roundings, the
-// reciprocal's error and what the cheaper evaluations leave out.
+// How far rounding can move a position from the hull of its span's corners, raw s15.16.
 template <class Prof>
 constexpr int32_t position_slack(const Prof& prof, const span_coefficients& c) {
   const profile& q = prof.get();
-  const int extent_log2 = q.offset_bits - c.exponent;                      // |n| 2^-exponent < 2^extent_log2
-  const int reciprocal_error = extent_log2 + 16 - q.reciprocal_bits + 3;   // log2, raw units
-  return (2 << (16 - q.coordinate_bits)) + (c.how == evaluation::affine ? 0 : 1 << (16 - q.tolerance_bits)) +
-         (c.how == evaluation::affine || reciprocal_error < 0 ? 1 : 1 << reciprocal_error);
+  const int extent_log2 = q.offset_bits - 1 - c.exponent;
+  const uint64_t bound = evaluation_bound(q, extent_log2, c.how == evaluation::divide, c.how == evaluation::one_term);
+  return int32_t(2 * bound >> (error_unit_log2 - 16)) + 2;  // the corners' own rounding and the pixel's
 }
 
 }  // namespace spantex

@@ -17,8 +17,6 @@ namespace spantex {
 
 inline constexpr int level_term_bits = 10;
 
-struct level_terms { int32_t row[span_side], column[span_side]; };
-
 namespace detail {
 
 // s.16 to the s5.10 of the coefficient memory.
@@ -57,30 +55,12 @@ constexpr void span_levels(const profile& q, span_coefficients& c) {
   }
 }
 
-// Terms of a single pixel about its own centre: W du/dx = a - (c/W) G.
-constexpr void pixel_levels(const plane& p, const reference& r, span_coefficients& c) {
-  if (!r.in_range) {  // beyond every promised coordinate: the coarsest level
-    detail::fill(c.level_row, detail::level_term(31 << 16));
-    detail::fill(c.level_column, detail::level_term(31 << 16));
-    return;
-  }
-  constexpr int fraction_bits = 29;
-  const auto fraction = [&](int64_t n) { return quotient(n, max_of(0, bit_length(magnitude(n)) - 31), r.inverse_w, fraction_bits); };
-  const int32_t fu = fraction(r.c_u), fv = fraction(r.c_v);
-  const auto product = [](int32_t f, int64_t slope) {  // f slope 2^-29 without a 96-bit product; |slope| < 2^45
-    return shift_right(f * (slope >> 16), fraction_bits - 16) + shift_right(f * (slope & 0xFFFF), fraction_bits);
-  };
-  const int64_t ux = r.a_u - product(fu, p.w.x), vx = r.a_v - product(fv, p.w.x);
-  const int64_t uy = r.b_u - product(fu, p.w.y), vy = r.b_v - product(fv, p.w.y);
-  const auto length = [&](int64_t du, int64_t dv) {
-    const int bits = max_of(bit_length(magnitude(du)), bit_length(magnitude(dv)));
-    const int drop = max_of(0, bits - 31);
-    const uint64_t x = magnitude(du) >> drop, y = magnitude(dv) >> drop, square = x * x + y * y;
-    if (square == 0) return detail::level_term(-(32 << 16));
-    return detail::level_term(log2_16(square) / 2 + ((drop + 1) << 16) - log2_16(uint64_t(r.w)));
-  };
-  detail::fill(c.level_row, length(ux, vx));
-  detail::fill(c.level_column, length(uy, vy));
+// Terms of a single pixel about its own centre, from the exact plane.
+constexpr void pixel_levels(const plane& p, const reference& r, int32_t hx, int32_t hy, span_coefficients& c) {
+  const gradient_logs g = gradient_logs_at(p, hx, hy);
+  const int32_t per_pixel = (1 << 16) - 2 * log2_16(uint64_t(r.w));
+  detail::fill(c.level_row, detail::level_term(g.x + per_pixel));
+  detail::fill(c.level_column, detail::level_term(g.y + per_pixel));
 }
 
 // KT88: the same for every row and column.

@@ -219,7 +219,7 @@ constexpr status plan_span(const Prof& prof, const surface& s, int32_t sx, int32
     pixel_coordinates(r, q, c);
     if (uses_levels(s.kind)) {
       if (q.formula == level_formula::major) major_levels(*s.map, r, c);
-      else pixel_levels(*s.map, r, c);
+      else pixel_levels(*s.map, r, hx, hy, c);
     }
     SPANTEX_TRY(detail::emit_levels(prof, *s.texture, job, sink));
   }

@@ -73,22 +73,27 @@ constexpr linear_form narrowed(const wide_form& f, int drop) {
 
 }  // namespace detail
 
-// log2 of KT88's K such that K/W^2 is twice the longer column of the Jacobian at (hx, hy), where W > 0. For a plane seen by
-// KT88's camera K = 2 T Delta d is the same everywhere; for any other the formula is anchored at this point.
-constexpr int32_t major_log2_at(const plane& p, int32_t hx, int32_t hy) {
+// log2 of W^2 |d(u, v)/dx| and W^2 |d(u, v)/dy| per half pixel at a point, s.16, in the plane's scale; minus 100 for zero.
+// W^2 du/dx = A W - Nu G: exact in 128 bits, whatever the size of u; then cut to 31 bits of the largest of the four.
+struct gradient_logs { int32_t x, y; };
+constexpr gradient_logs gradient_logs_at(const plane& p, int32_t hx, int32_t hy) {
   const int64_t w = p.w_at(hx, hy), nu = p.u_at(hx, hy), nv = p.v_at(hx, hy);
-  // W^2 du/dx = A W - Nu G, exactly, in half pixels; per pixel twice that, and twice again for the circle's diameter.
   const wide ux = multiply(p.u.x, w) - multiply(nu, p.w.x), uy = multiply(p.u.y, w) - multiply(nu, p.w.y);
   const wide vx = multiply(p.v.x, w) - multiply(nv, p.w.x), vy = multiply(p.v.y, w) - multiply(nv, p.w.y);
   const int drop = max_of(0, max_of(max_of(bit_length(ux), bit_length(uy)), max_of(bit_length(vx), bit_length(vy))) - 31);
   const auto square = [drop](wide a) {
-    const int64_t x = to_int64(shift_right_floor(magnitude(a), drop));
-    return uint64_t(x) * uint64_t(x);
+    const uint64_t x = shift_right_floor(magnitude(a), drop).low;
+    return x * x;
   };
-  const uint64_t sx = square(ux) + square(vx), sy = square(uy) + square(vy);
-  const uint64_t s = sx > sy ? sx : sy;
-  if (s == 0) return -(100 << 16);
-  return log2_16(s) / 2 + ((drop + 2) << 16);
+  const auto half_log2 = [drop](uint64_t s) { return s == 0 ? -(100 << 16) : log2_16(s) / 2 + (drop << 16); };
+  return {half_log2(square(ux) + square(vx)), half_log2(square(uy) + square(vy))};
+}
+
+// log2 of KT88's K such that K/W^2 is twice the longer column of the Jacobian (per pixel) at a point where W > 0. For a plane seen by
+// KT88's camera K = 2 T Delta d is the same everywhere; for any other the formula is anchored at this point.
+constexpr int32_t major_log2_at(const plane& p, int32_t hx, int32_t hy) {
+  const gradient_logs g = gradient_logs_at(p, hx, hy);
+  return max_of(g.x, g.y) + (2 << 16);
 }
 
 namespace detail {

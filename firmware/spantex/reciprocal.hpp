@@ -66,7 +66,8 @@ constexpr inverse invert(int64_t w) {
 constexpr int32_t quotient(int64_t n, int drop, inverse w, int scale) {
   const int64_t product = (n >> drop) * int64_t(w.y);                     // 63 bits and sign
   const int shift = 63 + w.exponent - drop - scale;
-  return shift > 62 ? 0 : int32_t(shift_right(product, shift));
+  // One bit goes first, so that half a unit can be added without overflow; floor after floor is the same floor.
+  return shift > 62 ? 0 : int32_t(shift_right(product >> 1, shift - 1));
 }
 
 }  // namespace spantex

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+// Exact arithmetic to judge the engine by: 128-bit integers, wide enough that no step rounds.
+#pragma once
+#include <cmath>
+#include <cstdint>
+
+#include <spantex/plane.hpp>
+
+namespace spantex::sim {
+
+__extension__ using int128 = __int128;
+
+// |raw / 2^16 - numerator / w| in texels, from an exact integer difference; w > 0. 32 + 45 and 59 + 16 bits: nothing overflows.
+inline double coordinate_error(int32_t raw, int64_t numerator, int64_t w) {
+  const int128 difference = int128(raw) * w - (int128(numerator) << 16);
+  const int128 size = difference < 0 ? -difference : difference;
+  return double(static_cast<long double>(size) / (static_cast<long double>(w) * 65536.0L));
+}
+
+// The exact position lies within (-2^15, 2^15), so a coordinate is promised for it.
+inline bool in_range(int64_t numerator, int64_t w) {
+  const int128 limit = (int128(32767)) * w;
+  return numerator < limit && numerator > -limit;
+}
+
+// Vulkan's rho as log2, at a point in half pixels where w > 0: the longer column of the Jacobian, texels per pixel. The
+// numerators A W - Nu G are exact integers of up to 105 bits; only the final logarithm is floating point, in long double.
+inline long double exact_level(const plane& p, int32_t hx, int32_t hy) {
+  const int64_t w = p.w_at(hx, hy), nu = p.u_at(hx, hy), nv = p.v_at(hx, hy);
+  const auto column = [&](int64_t a, int64_t d, int64_t g) {
+    const long double x = static_cast<long double>(int128(a) * w - int128(nu) * g);
+    const long double y = static_cast<long double>(int128(d) * w - int128(nv) * g);
+    return std::hypot(x, y);
+  };
+  const long double length = std::fmax(column(p.u.x, p.v.x, p.w.x), column(p.u.y, p.v.y, p.w.y));
+  return std::log2(2 * length) - 2 * std::log2(static_cast<long double>(w));
+}
+
+}  // namespace spantex::sim
