@@ -44,7 +44,7 @@ help: ## list the targets
 	@sed -n 's/^\([a-z][a-z0-9-]*\):.*## \(.*\)/  make \1\t\2/p' $(MAKEFILE_LIST) | expand -t 24
 
 setup-build: ; @tools/setup build
-setup-test: ; @tools/setup test cross
+setup-test: ; @tools/setup test cross emulate
 setup-demo: ; @tools/setup demo
 
 $(B)/spantex: $(TOOL_OBJECTS) $(HOST_OBJECTS)

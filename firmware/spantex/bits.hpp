@@ -32,7 +32,13 @@ constexpr Int shift_right(Int x, int shift, rounding mode = rounding::nearest) {
   return Int((x + half - 1 + odd) >> shift);
 }
 
-// As above for any sign of shift; a negative one scales up. The caller guarantees that the result fits.
+// To nearest, halves away from zero: f(-x) = -f(x), so that a mirrored plane gives the mirrored picture.
+template <class Int>
+constexpr Int shift_right_symmetric(Int x, int shift) {
+  return x < 0 ? Int(-shift_right(Int(-x), shift)) : shift_right(x, shift);
+}
+
+// As shift_right for any sign of shift; a negative one scales up. The caller guarantees that the result fits.
 template <class Int>
 constexpr Int scale_down(Int x, int shift, rounding mode = rounding::nearest) {
   return shift >= 0 ? shift_right(x, shift, mode) : Int(x * (Int(1) << -shift));

@@ -75,7 +75,7 @@ inline constexpr int reach = span_side - 1;
 constexpr bool span_coordinates(const plane& p, const reference& r, const profile& q, span_coefficients& c) {
   if (!r.u_in_range || !r.v_in_range) return false;
   const uint64_t slope = reach * (magnitude(p.w.x) + magnitude(p.w.y));
-  if (slope >= uint64_t(r.w) / 2) return false;
+  if (slope >= uint64_t(r.w) / 2 - uint64_t(r.w) / 256) return false;  // the margin keeps the rounded w in (1/2, 3/2) as well
   const uint64_t extent_u = magnitude(r.c_u) + reach * (magnitude(r.a_u) + magnitude(r.b_u));
   const uint64_t extent_v = magnitude(r.c_v) + reach * (magnitude(r.a_v) + magnitude(r.b_v));
   const uint64_t extent = extent_u > extent_v ? extent_u : extent_v;
@@ -127,7 +127,7 @@ constexpr int32_t half_pixels(int i) { return 2 * i - reach; }
 template <class Prof> using offset_mantissa = s<Prof::max_offset_bits, 0>;
 template <class Prof> using relative_w = u<1, Prof::max_reciprocal_bits>;
 
-// w = 1 + g hx + h hy as reciprocal_bits fraction bits, in (1/2, 3/2) by the planner's condition.
+// w = 1 + g hx + h hy as reciprocal_bits fraction bits, in (1/2, 3/2) by the planner's condition and relative_w_bound() < 1/256.
 template <class Prof>
 constexpr uint32_t w_at(const Prof& prof, const span_coefficients& c, int i, int j) {
   return uint32_t((int32_t(1) << prof.get().reciprocal_bits) + c.g * half_pixels(i) + c.h * half_pixels(j));

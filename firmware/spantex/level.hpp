@@ -31,8 +31,8 @@ constexpr int16_t log2_length(int64_t du, int64_t dv, int exponent) {
   return level_term(log2_16(square) / 2 + (1 - exponent) * (1 << 16));
 }
 
-// x y / 2^30 for a slope with `bits` fraction bits.
-constexpr int64_t times_slope(int32_t x, int32_t slope, int bits) { return shift_right(int64_t(x) * slope, bits); }
+// x times a slope with `bits` fraction bits.
+constexpr int64_t times_slope(int32_t x, int32_t slope, int bits) { return shift_right_symmetric(int64_t(x) * slope, bits); }
 
 constexpr void fill(int16_t (&row)[span_side], int16_t value) {
   for (int k = 0; k < span_side; ++k) row[k] = value;

@@ -67,7 +67,7 @@ class local_memory {
 
   // Errors: bad_address.
   constexpr status load(int first, const uint64_t* words, int count) {
-    if (first < 0 || count < 0 || first + count > word_count) return status::bad_address;
+    if (first < 0 || count < 0 || first > word_count || count > word_count - first) return status::bad_address;
     for (int k = 0; k < count; ++k) store(first + k, words[k]);
     return status::ok;
   }

@@ -32,7 +32,7 @@ struct profile {
   int level_bias = 0;                               // s3.4: added to the level of detail, in 1/16 level
   int coordinate_bits = 16;                         // fraction bits of u, v in texels of level 0 (at most 16)
   int offset_bits = 31;                             // magnitude bits of the span-relative numerators (at most 31)
-  int reciprocal_bits = 30;                         // fraction bits of 1/w and of the slopes g, h (at most 30)
+  int reciprocal_bits = 30;                         // fraction bits of 1/w and of the slopes g, h (12 to 30)
   int tolerance_bits = 12;                          // cheaper evaluations may err by 2^-tolerance_bits texel
   int subtexel_bits = 8;                            // fraction bits of a snapped position: the weights of the filter
   int level_bits = 8;                               // fraction bits of the level of detail
@@ -48,7 +48,7 @@ constexpr bool is_valid(const profile& p) {
   return (p.fine_side == 8 || p.fine_side == 16 || p.fine_side == 32) &&
          p.level_bias >= -128 && p.level_bias <= 127 &&
          p.coordinate_bits >= 4 && p.coordinate_bits <= 16 && p.offset_bits >= 12 && p.offset_bits <= 31 &&
-         p.reciprocal_bits >= 10 && p.reciprocal_bits <= 30 && p.tolerance_bits >= 0 && p.tolerance_bits <= 16 &&
+         p.reciprocal_bits >= 12 && p.reciprocal_bits <= 30 && p.tolerance_bits >= 0 && p.tolerance_bits <= 16 &&
          p.subtexel_bits >= 1 && p.subtexel_bits <= 8 && p.level_bits >= 1 && p.level_bits <= 8 &&
          p.blend_bits >= 0 && p.blend_bits <= 24;
 }

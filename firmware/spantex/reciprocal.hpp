@@ -61,13 +61,14 @@ constexpr inverse invert(int64_t w) {
   return {reciprocal_wide(m), exponent};
 }
 
-// n / w * 2^scale to nearest. n is cut to 31 bits and sign with `drop` bits dropped, so that several quotients can share
+// n / w * 2^scale to nearest, odd in n. |n| is cut to 31 bits by dropping `drop` bits (towards zero), so that several quotients can share
 // one scale; the caller chooses drop >= bit_length(n) - 31 and a scale for which the result fits 32 bits.
 constexpr int32_t quotient(int64_t n, int drop, inverse w, int scale) {
-  const int64_t product = (n >> drop) * int64_t(w.y);                     // 63 bits and sign
+  const uint64_t product = (magnitude(n) >> drop) * w.y;                  // 63 bits
   const int shift = 63 + w.exponent - drop - scale;
-  // One bit goes first, so that half a unit can be added without overflow; floor after floor is the same floor.
-  return shift > 62 ? 0 : int32_t(shift_right(product >> 1, shift - 1));
+  if (shift > 63) return 0;
+  const auto q = int32_t((product + (uint64_t(1) << (shift - 1))) >> shift);
+  return n < 0 ? -q : q;
 }
 
 }  // namespace spantex

@@ -42,7 +42,7 @@ struct section {
 struct span_coefficients {
   int32_t base_u, base_v;                  // whole texels of level 0
   int32_t c_u, a_u, b_u, c_v, a_v, b_v;    // texels 2^exponent; offset_bits magnitude for the sums
-  int32_t g, h;                            // reciprocal_bits fraction bits; |7g| + |7h| < 1/2
+  int32_t g, h;                            // reciprocal_bits fraction bits; |7g| + |7h| < 1/2 - 1/256
   int16_t level_row[span_side];            // s5.10: level of detail for w = 1, along each row and each column
   int16_t level_column[span_side];         // the larger of the two counts
   section fine, coarse;

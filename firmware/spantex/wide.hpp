@@ -72,9 +72,11 @@ constexpr wide shift_right_floor(wide a, int n) {
   return {a.high >> n, (uint64_t(a.high) << (64 - n)) | (a.low >> n)};
 }
 
-// a / 2^n to nearest, halves up.
+// a / 2^n to nearest, halves away from zero.
 constexpr wide shift_right_nearest(wide a, int n) {
-  return n == 0 ? a : shift_right_floor(a + shift_left(wide(1), n - 1), n);
+  if (n == 0) return a;
+  const wide m = shift_right_floor(magnitude(a) + shift_left(wide(1), n - 1), n);
+  return a.negative() ? -m : m;
 }
 
 // a * 2^-n for any sign of n, to nearest.

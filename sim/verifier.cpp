@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/verifier.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "sim/exact.hpp"
+
+namespace spantex::sim {
+namespace {
+
+using colour = std::array<double, channel_count>;
+
+colour colour_of(rgba8 c) { return {double(c.r), double(c.g), double(c.b), double(c.a)}; }
+
+struct interval {
+  double low, high;
+  double middle() const { return (low + high) / 2; }
+  double half() const { return (high - low) / 2; }
+};
+
+// One 2x2 of a level, and the part of it that the position may lie in: fractions in [0, 1].
+struct patch {
+  colour t[4];  // (0,0) (1,0) (0,1) (1,1)
+  interval x, y;
+};
+
+double blend(const patch& p, bool three, int channel, double x, double y) {
+  const double a = p.t[0][channel], b = p.t[1][channel], c = p.t[2][channel], d = p.t[3][channel];
+  if (!three) return (1 - y) * ((1 - x) * a + x * b) + y * ((1 - x) * c + x * d);
+  return y >= x ? x * d + (y - x) * c + (1 - y) * a : y * d + (x - y) * b + (1 - x) * a;
+}
+
+double contrast(const patch& p, int channel) {
+  const auto [low, high] = std::minmax({p.t[0][channel], p.t[1][channel], p.t[2][channel], p.t[3][channel]});
+  return high - low;
+}
+
+// Everything one pixel may be made of: a patch per level and a weight between them.
+struct candidate {
+  patch fine, coarse;
+  interval level;
+  bool two;
+};
+
+// Halves the widest of the five intervals.
+void halve(const candidate& c, candidate& a, candidate& b) {
+  a = b = c;
+  const std::array<double, 5> width{c.fine.x.half(), c.fine.y.half(), c.two ? c.coarse.x.half() : 0, c.two ? c.coarse.y.half() : 0, c.two ? c.level.half() : 0};
+  const auto widest = std::max_element(width.begin(), width.end()) - width.begin();
+  const auto part = [&](candidate& k) -> interval& {
+    switch (widest) {
+      case 0: return k.fine.x;
+      case 1: return k.fine.y;
+      case 2: return k.coarse.x;
+      case 3: return k.coarse.y;
+      default: return k.level;
+    }
+  };
+  part(a).high = part(b).low = part(a).middle();
+}
+
+// Is there a point in the candidate whose four channels all lie within the threshold of the pixel? Bounded by how fast the blend can
+// change, so a refusal is certain; an acceptance is a witness. Undecided boxes are halved down to `depth`.
+bool reachable(const candidate& c, bool three, const colour& pixel, double threshold, int depth) {
+  bool witness = true;
+  for (int k = 0; k < channel_count; ++k) {
+    const double fine = blend(c.fine, three, k, c.fine.x.middle(), c.fine.y.middle());
+    const double coarse = c.two ? blend(c.coarse, three, k, c.coarse.x.middle(), c.coarse.y.middle()) : fine;
+    const double f = c.two ? c.level.middle() : 0;
+    const double value = (1 - f) * fine + f * coarse;
+    // A three-point blend changes along an axis by at most twice the contrast of its patch.
+    const double steep = three ? 2 : 1;
+    double reach = steep * contrast(c.fine, k) * (c.fine.x.half() + c.fine.y.half());
+    if (c.two) reach += steep * contrast(c.coarse, k) * (c.coarse.x.half() + c.coarse.y.half()) + std::fabs(coarse - fine) * c.level.half();
+    const double distance = std::fabs(value - pixel[k]);
+    if (distance > threshold + reach) return false;
+    witness = witness && distance <= threshold;
+  }
+  if (witness) return true;
+  if (depth == 0) return false;
+  candidate a, b;
+  halve(c, a, b);
+  return reachable(a, three, pixel, threshold, depth - 1) || reachable(b, three, pixel, threshold, depth - 1);
+}
+
+struct place { double u, v; };  // exact, texels of level 0
+
+class pixel_verifier {
+ public:
+  pixel_verifier(const texture_view& t, filter kind, const promised_precision& bits)
+      : t_(t), kind_(kind), epsilon_(std::ldexp(1.0, -bits.subtexel_bits)), delta_(std::ldexp(1.0, -bits.level_bits)), threshold_(bits.colour_lsb + 1e-9) {}
+
+  bool accepts(place at, double level, const colour& pixel) const {
+    if (kind_ == filter::nearest) return nearest(at, pixel);
+    const double last = t_.last_level();
+    const double low = std::clamp(level - delta_, 0.0, last), high = std::clamp(level + delta_, 0.0, last);
+    const auto nearest_level = [](double d) { return std::max(0, int(std::ceil(d + 0.5)) - 1); };
+    if (kind_ == filter::mip_bilinear) return any_level(at, nearest_level(low), nearest_level(high), pixel);
+    if (!uses_levels(kind_)) return any_level(at, 0, 0, pixel);
+    for (int l = int(std::floor(low)); l <= int(std::floor(high)); ++l) {
+      const interval f{std::clamp(low - l, 0.0, 1.0), std::clamp(high - l, 0.0, 1.0)};
+      if (two_levels(at, std::min(l, t_.last_level()), f, pixel)) return true;
+    }
+    return false;
+  }
+
+ private:
+  bool nearest(place at, const colour& pixel) const {
+    for (int y = int(std::floor(at.v - epsilon_)); y <= int(std::floor(at.v + epsilon_)); ++y)
+      for (int x = int(std::floor(at.u - epsilon_)); x <= int(std::floor(at.u + epsilon_)); ++x)
+        if (texel(0, x, y) == pixel) return true;
+    return false;
+  }
+
+  colour texel(int level, int x, int y) const { return colour_of(t_.texel(level, t_.wrapped_u(x, level), t_.wrapped_v(y, level))); }
+
+  // Calls use(patch) for each 2x2 that the interval around a position touches.
+  template <class Use>
+  bool each_patch(place at, int level, Use use) const {
+    const double u = at.u * t_.width(level) / t_.width() - 0.5, v = at.v * t_.height(level) / t_.height() - 0.5;
+    for (int y = int(std::floor(v - epsilon_)); y <= int(std::floor(v + epsilon_)); ++y)
+      for (int x = int(std::floor(u - epsilon_)); x <= int(std::floor(u + epsilon_)); ++x) {
+        const auto part = [&](double centre, int k) {
+          return interval{std::clamp(centre - epsilon_ - k, 0.0, 1.0), std::clamp(centre + epsilon_ - k, 0.0, 1.0)};
+        };
+        const patch p{{texel(level, x, y), texel(level, x + 1, y), texel(level, x, y + 1), texel(level, x + 1, y + 1)}, part(u, x), part(v, y)};
+        if (use(p)) return true;
+      }
+    return false;
+  }
+
+  bool any_level(place at, int first, int last, const colour& pixel) const {
+    for (int l = first; l <= last; ++l)
+      if (each_patch(at, l, [&](const patch& p) { return reachable({p, {}, {0, 0}, false}, uses_three_points(kind_), pixel, threshold_, search_depth); })) return true;
+    return false;
+  }
+
+  bool two_levels(place at, int level, interval f, const colour& pixel) const {
+    const int coarser = std::min(level + 1, t_.last_level());
+    return each_patch(at, level, [&](const patch& a) {
+      return each_patch(at, coarser, [&](const patch& b) {
+        return reachable({a, b, f, true}, uses_three_points(kind_), pixel, threshold_, search_depth);
+      });
+    });
+  }
+
+  static constexpr int search_depth = 16;
+  const texture_view& t_;
+  filter kind_;
+  double epsilon_, delta_, threshold_;
+};
+
+}  // namespace
+
+verdict verify_plane(const plane& map, const texture_view& texture, filter kind, const promised_precision& bits, const rgba8* picture,
+                     int width_px, int height_px) {
+  const pixel_verifier verifier(texture, kind, bits);
+  verdict result;
+  for (int y = 0; y < height_px; ++y)
+    for (int x = 0; x < width_px; ++x) {
+      const int32_t hx = 2 * x + 1, hy = 2 * y + 1;
+      const int64_t w = map.w_at(hx, hy), nu = map.u_at(hx, hy), nv = map.v_at(hx, hy);
+      if (w <= 0 || !in_range(nu, w) || !in_range(nv, w)) continue;
+      ++result.pixels;
+      const place at{double(static_cast<long double>(nu) / w), double(static_cast<long double>(nv) / w)};
+      const double level = uses_levels(kind) ? double(exact_level(map, hx, hy)) : 0;
+      if (verifier.accepts(at, level, colour_of(picture[y * width_px + x]))) continue;
+      if (result.failures++ == 0) { result.first_x = x; result.first_y = y; }
+    }
+  return result;
+}
+
+}  // namespace spantex::sim

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+// Conformance of a picture, in the manner of the Khronos texture look-up verifier: around the exact position and level of every pixel
+// lies an interval that the promised bits allow; a pixel is accepted only if some position, weights and level in it produce all four
+// channels at once, within the colour threshold. Judges pixels, knows nothing of how they were computed.
+#pragma once
+#include <cstdint>
+
+#include <spantex/plane.hpp>
+#include <spantex/span.hpp>
+#include <spantex/texture.hpp>
+
+namespace spantex::sim {
+
+struct promised_precision {
+  int subtexel_bits = 8;     // a position may be off by 2^-subtexel_bits texel of the level it is used on
+  int level_bits = 8;        // a level of detail may be off by 2^-level_bits
+  double colour_lsb = 1;     // a channel may be off by this many units of 1/255
+};
+
+struct verdict {
+  uint64_t pixels = 0, failures = 0;
+  int first_x = -1, first_y = -1;  // of the first failure
+};
+
+// Pixels of the plane with W > 0 and |u|, |v| < 2^15 inside a width x height picture.
+verdict verify_plane(const plane& map, const texture_view& texture, filter kind, const promised_precision& bits, const rgba8* picture,
+                     int width_px, int height_px);
+
+}  // namespace spantex::sim
