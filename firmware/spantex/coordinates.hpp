@@ -35,17 +35,16 @@ struct reference {
 
 namespace detail {
 
-// Nearest whole number to n/w, or saturated to +-32767 (in_range false) if it is out of range.
+// Nearest whole number to n/w, up to +-32768; beyond, +-32767 and in_range false.
 constexpr int32_t whole_quotient(int64_t n, int64_t w, inverse iw, bool& in_range) {
-  constexpr int32_t limit = 32767;
+  constexpr int32_t limit = 32768;
   const int bits = bit_length(magnitude(n));
-  if (bits > bit_length(uint64_t(w)) + 15) {
-    in_range = false;
-    return n < 0 ? -limit : limit;
+  if (bits <= bit_length(uint64_t(w)) + 15) {
+    const int32_t q = quotient(n, max_of(0, bits - 31), iw, 0);
+    if (q >= -limit && q <= limit) return q;
   }
-  const int32_t q = quotient(n, max_of(0, bits - 31), iw, 0);
-  if (q > limit || q < -limit) in_range = false;
-  return clamp_to(q, -limit, limit);
+  in_range = false;
+  return n < 0 ? 1 - limit : limit - 1;
 }
 
 }  // namespace detail

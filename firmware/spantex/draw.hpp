@@ -82,7 +82,7 @@ class renderer {
   // Takes what is still computing. Call before the frame is read.
   constexpr status finish() {
     for (int k = 0; k < half_count; ++k) {
-      SPANTEX_TRY(collect(next_));
+      SPANTEX_TRY(noted(next_, collect(next_)));
       next_ = other(next_);
     }
     engine_.mark({event_kind::frame_end, 0});
@@ -126,8 +126,22 @@ class renderer {
     return visible;
   }
 
+  // A half whose operation failed is empty (hal/engine.hpp): nothing of it may be used or waited for again.
+  constexpr status noted(half h, status result) {
+    if (result == status::ok) return result;
+    pending_[int(h)].mask = 0;
+    for (loaded_section& held : held_[int(h)]) held.valid = false;
+    return result;
+  }
+
   constexpr status submit(const surface& s, int32_t sx, int32_t sy, span_job& job) {
     const half h = next_;
+    SPANTEX_TRY(noted(h, run(h, s, sx, sy, job)));
+    if (!single_half_) next_ = other(h);
+    return status::ok;
+  }
+
+  constexpr status run(half h, const surface& s, int32_t sx, int32_t sy, span_job& job) {
     SPANTEX_TRY(collect(h));
     engine_.mark({event_kind::span, uint32_t(sy) << 16 | uint32_t(sx)});
     span_coefficients& c = job.coefficients;
@@ -141,7 +155,6 @@ class renderer {
     counters_.divides += uint64_t(job.divides);
     if (c.corrects) ++counters_.corrected_jobs;
     if (uses_two_levels(c.kind) && !c.two_levels) ++counters_.second_levels_skipped;
-    if (!single_half_) next_ = other(h);
     return status::ok;
   }
 

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "draw_host.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <memory>
+
+#include <hal/direct_engine.hpp>
+#include <hal/sim_engine.hpp>
+
+namespace spantex::sim {
+namespace {
+
+struct band { int32_t y0, y1; };  // pixel rows; whole span rows
+
+std::vector<band> make_bands(int height, int threads) {
+  const int rows = (height + span_side - 1) / span_side, count = std::clamp(threads, 1, rows);
+  std::vector<band> bands;
+  for (int k = 0; k < count; ++k)
+    bands.push_back({rows * k / count * span_side, std::min(height, rows * (k + 1) / count * span_side)});
+  return bands;
+}
+
+struct band_counts {
+  draw_counters work;
+  counters machine;
+};
+
+struct target {
+  image& picture;
+  std::vector<uint32_t>& depth;
+};
+
+status draw_item(auto& renderer, const drawable& item, const scene& s, const draw_options& o, band b, const target& out) {
+  const rectangle rows{0, b.y0, s.size.width_px, b.y1};
+  if (item.is_polygon) {
+    polygon part = item.shape;
+    part.box = intersection(part.box, rows);
+    if (!part.box.empty()) SPANTEX_TRY(renderer.draw(part, s.texture(item), o.kind, {out.depth.data()}));
+    if (o.parts_done) o.parts_done(1);
+    return status::ok;
+  }
+  for (int32_t y = b.y0; y < b.y1; y += span_side) {
+    SPANTEX_TRY(renderer.draw(item.shape.map, s.texture(item), o.kind, {0, y, rows.x1, std::min(y + span_side, b.y1)}));
+    if (o.parts_done) o.parts_done(1);
+  }
+  return status::ok;
+}
+
+template <class Prof, class Engine>
+status draw_band(const Prof& prof, Engine& engine, const scene& s, const draw_options& o, band b, const target& out, draw_counters& work) {
+  renderer<Engine, Prof> r(engine, prof, {out.picture.pixels.data(), s.size.width_px, s.size.height_px, s.size.width_px});
+  r.single_half(o.single_half);
+  for (const drawable& item : s.items) SPANTEX_TRY(draw_item(r, item, s, o, b, out));
+  SPANTEX_TRY(r.finish());
+  work = r.counters();
+  return status::ok;
+}
+
+template <profile P>
+status draw_band_with(const scene& s, const draw_options& o, band b, const target& out, band_counts& counts) {
+  using prof = fixed_profile<P>;
+  if (o.engine == engine_choice::direct) {
+    const auto engine = std::make_unique<direct_engine<prof>>();
+    return draw_band(prof{}, *engine, s, o, b, out, counts.work);
+  }
+  const auto engine = std::make_unique<sim_engine<prof>>(prof{}, o.table, o.sink);
+  SPANTEX_TRY(draw_band(prof{}, *engine, s, o, b, out, counts.work));
+  counts.machine = engine->counters();
+  return status::ok;
+}
+
+status draw_band_by_profile(const scene& s, const draw_options& o, band b, const target& out, band_counts& counts) {
+  switch (o.profile) {
+    case profile_choice::seed: return draw_band_with<profiles::seed>(s, o, b, out, counts);
+    case profile_choice::compact: return draw_band_with<profiles::compact>(s, o, b, out, counts);
+    case profile_choice::standard: return draw_band_with<profiles::standard>(s, o, b, out, counts);
+    case profile_choice::exact: return draw_band_with<profiles::exact>(s, o, b, out, counts);
+  }
+  return status::out_of_range;
+}
+
+void add(draw_counters& sum, const draw_counters& c) {
+  sum.spans_total += c.spans_total;
+  sum.spans_empty += c.spans_empty;
+  sum.spans_behind += c.spans_behind;
+  sum.spans_hidden += c.spans_hidden;
+  sum.jobs += c.jobs;
+  sum.pixels += c.pixels;
+  sum.words_loaded += c.words_loaded;
+  sum.loads_skipped += c.loads_skipped;
+  sum.second_levels_skipped += c.second_levels_skipped;
+  sum.divides += c.divides;
+  sum.corrected_jobs += c.corrected_jobs;
+}
+
+void add(counters& sum, const counters& c) {
+  sum.total_cycles = later(sum.total_cycles, c.total_cycles);
+  sum.load_cycles += c.load_cycles;
+  sum.compute_cycles += c.compute_cycles;
+  sum.hidden_load_cycles += c.hidden_load_cycles;
+  sum.stall_cycles += c.stall_cycles;
+  sum.words_loaded += c.words_loaded;
+  sum.fetches += c.fetches;
+  sum.bank_conflicts += c.bank_conflicts;
+  sum.jobs += c.jobs;
+  sum.pixels += c.pixels;
+}
+
+// One repetition; the time of drawing alone.
+double draw_once(const scene& s, const draw_options& o, const std::vector<band>& bands, draw_result& result, std::vector<uint32_t>& depth) {
+  std::fill(result.picture.pixels.begin(), result.picture.pixels.end(), o.background);
+  std::fill(depth.begin(), depth.end(), 0);
+  std::vector<band_counts> counts(bands.size());
+  const target out{result.picture, depth};
+  const auto begun = std::chrono::steady_clock::now();
+  for_each_index(int(bands.size()), int(bands.size()), [&](int k) {
+    const status done = draw_band_by_profile(s, o, bands[size_t(k)], out, counts[size_t(k)]);
+    if (done != status::ok) throw input_error(s.name + ": " + to_string(done));
+  });
+  const double ns = std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now() - begun).count();
+  result.work = {};
+  result.machine = {};
+  for (const band_counts& c : counts) {
+    add(result.work, c.work);
+    add(result.machine, c.machine);
+  }
+  return ns;
+}
+
+}  // namespace
+
+draw_result draw(const scene& s, const draw_options& options) {
+  draw_result result;
+  result.picture = image(s.size.width_px, s.size.height_px, options.background);
+  std::vector<uint32_t> depth(s.uses_depth() ? result.picture.pixels.size() : 0);
+  const std::vector<band> bands = make_bands(s.size.height_px, options.sink != nullptr ? 1 : options.threads);
+  std::vector<double> times;
+  for (int k = 0; k < std::max(1, options.repeat); ++k) times.push_back(draw_once(s, options, bands, result, depth));
+  std::nth_element(times.begin(), times.begin() + std::ptrdiff_t(times.size() / 2), times.end());
+  result.ns_per_pixel = times[times.size() / 2] / double(result.picture.pixels.size());
+  return result;
+}
+
+int draw_parts(const scene& s, const draw_options& options) {
+  const int bands = int(make_bands(s.size.height_px, options.threads).size()), rows = (s.size.height_px + span_side - 1) / span_side;
+  int parts = 0;
+  for (const drawable& item : s.items) parts += item.is_polygon ? bands : rows;
+  return parts * std::max(1, options.repeat);
+}
+
+}  // namespace spantex::sim

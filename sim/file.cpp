@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "file.hpp"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <filesystem>
+
+namespace spantex::sim {
+namespace {
+
+namespace fs = std::filesystem;
+
+[[noreturn]] void fail(const std::string& path, const char* what, int error) {
+  throw input_error(path + ": " + what + ": " + strerror(error));
+}
+
+// An open file that closes itself, and removes its path unless kept.
+class descriptor {
+ public:
+  descriptor(std::string path, int flags, bool temporary) : path_(std::move(path)), temporary_(temporary) {
+    fd_ = open(path_.c_str(), flags | O_CLOEXEC, 0666);
+    error_ = fd_ < 0 ? errno : 0;
+  }
+  descriptor(const descriptor&) = delete;
+  descriptor& operator=(const descriptor&) = delete;
+  ~descriptor() {
+    if (fd_ < 0) return;
+    close(fd_);
+    if (temporary_) unlink(path_.c_str());
+  }
+  bool good() const { return fd_ >= 0; }
+  int error() const { return error_; }
+  int number() const { return fd_; }
+  const std::string& path() const { return path_; }
+  void keep() { temporary_ = false; }
+
+ private:
+  std::string path_;
+  int fd_ = -1, error_ = 0;
+  bool temporary_;
+};
+
+// Where a path leads: links followed, so that a link stays a link when its target is replaced.
+fs::path resolved(const std::string& path) {
+  std::error_code ignored;
+  const fs::path p = fs::is_symlink(path, ignored) ? fs::canonical(path, ignored) : fs::path(path);
+  return p.empty() ? fs::path(path) : p;
+}
+
+std::string temporary_beside(const fs::path& target) {
+  return (target.parent_path() / ("." + target.filename().string() + "." + std::to_string(getpid()) + ".tmp")).string();
+}
+
+bool is_special(const fs::path& path) {
+  std::error_code ignored;
+  return fs::exists(path, ignored) && !fs::is_regular_file(path, ignored) && !fs::is_directory(path, ignored);
+}
+
+void write_all(int fd, const uint8_t* data, size_t size, const std::string& path) {
+  while (size > 0) {
+    const ssize_t n = ::write(fd, data, size);
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) fail(path, "cannot write", n < 0 ? errno : ENOSPC);
+    data += n;
+    size -= size_t(n);
+  }
+}
+
+}  // namespace
+
+bytes read_file(const std::string& path) {
+  const descriptor in(path, O_RDONLY, false);
+  if (!in.good()) fail(path, "cannot read", in.error());
+  bytes data;
+  uint8_t block[65536];
+  for (;;) {
+    const ssize_t n = ::read(in.number(), block, sizeof block);
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) fail(path, "cannot read", errno);
+    if (n == 0) return data;
+    data.insert(data.end(), block, block + n);
+  }
+}
+
+output_file::output_file(std::string path) : path_(std::move(path)) {
+  if (path_.empty()) throw input_error("output file: empty name");
+  std::error_code ignored;
+  if (fs::is_directory(path_, ignored)) throw input_error(path_ + ": cannot write: is a directory");
+  const fs::path target = resolved(path_);
+  if (is_special(target)) return;
+  const descriptor trial(temporary_beside(target), O_WRONLY | O_CREAT | O_EXCL, true);
+  if (!trial.good()) fail(path_, "cannot write", trial.error());
+}
+
+void output_file::write(const uint8_t* data, size_t size) const {
+  const fs::path target = resolved(path_);
+  const bool special = is_special(target);
+  descriptor out(special ? target.string() : temporary_beside(target), special ? O_WRONLY : O_WRONLY | O_CREAT | O_EXCL, !special);
+  if (!out.good()) fail(path_, "cannot write", out.error());
+  write_all(out.number(), data, size, path_);
+  if (special) return;
+  if (rename(out.path().c_str(), target.c_str()) != 0) fail(path_, "cannot write", errno);
+  out.keep();
+}
+
+}  // namespace spantex::sim

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+// Files, whole or not at all, and the one kind of error that host code throws: input_error, one line that names the file (or
+// option) and the reason.
+#pragma once
+#include <stdint.h>
+
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace spantex::sim {
+
+struct input_error : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+using bytes = std::vector<uint8_t>;
+
+// Throws input_error: missing, a directory, unreadable.
+bytes read_file(const std::string& path);
+
+// A file that a long computation will write. Construction checks that it can be written and leaves nothing behind, so that a bad
+// path is reported before the work; write() goes to a temporary name beside the target and renames. Both throw input_error.
+// Devices and pipes are written directly.
+class output_file {
+ public:
+  output_file() = default;
+  explicit output_file(std::string path);
+  bool wanted() const { return !path_.empty(); }
+  const std::string& path() const { return path_; }
+  void write(const uint8_t* data, size_t size) const;
+  void write(const bytes& data) const { write(data.data(), data.size()); }
+  void write(std::string_view text) const { write(reinterpret_cast<const uint8_t*>(text.data()), text.size()); }
+
+ private:
+  std::string path_;
+};
+
+}  // namespace spantex::sim

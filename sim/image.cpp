@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "image.hpp"
+
+#include <string.h>
+
+#include <memory>
+
+#define STB_IMAGE_IMPLEMENTATION
+#define STB_IMAGE_STATIC
+#define STBI_FAILURE_USERMSG
+#define STBI_NO_STDIO
+#define STB_IMAGE_WRITE_IMPLEMENTATION
+#define STB_IMAGE_WRITE_STATIC
+#define STBI_WRITE_NO_STDIO
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wunused-function"
+#include <stb/stb_image.h>
+#include <stb/stb_image_write.h>
+#pragma GCC diagnostic pop
+
+namespace spantex::sim {
+namespace {
+
+// A byte source that notices when a decoder wants more than there is: stb_image fills up with zeros without a word.
+struct source {
+  const uint8_t* data;
+  size_t size, position = 0;
+  bool ran_out = false;
+
+  static int read(void* user, char* out, int count) {
+    source& s = *static_cast<source*>(user);
+    const size_t n = size_t(count) < s.size - s.position ? size_t(count) : s.size - s.position;
+    memcpy(out, s.data + s.position, n);
+    s.position += n;
+    // The decoder's own buffer is filled 128 bytes at a time, so only that size may come back short.
+    constexpr int buffer_size = 128;
+    if (n == 0 || (n < size_t(count) && count != buffer_size)) s.ran_out = true;
+    return int(n);
+  }
+  static void skip(void* user, int count) {
+    source& s = *static_cast<source*>(user);
+    if (count > 0 && size_t(count) > s.size - s.position) s.ran_out = true;
+    s.position = count > 0 ? (s.ran_out ? s.size : s.position + size_t(count)) : s.position - size_t(-count);
+  }
+  static int eof(void* user) {
+    const source& s = *static_cast<source*>(user);
+    return s.position >= s.size;
+  }
+};
+
+constexpr stbi_io_callbacks callbacks{source::read, source::skip, source::eof};
+
+std::string one_line(const char* text) {
+  std::string s = text != nullptr ? text : "unknown reason";
+  for (char& c : s)
+    if (c == '\n' || c == '\r') c = ' ';
+  return s;
+}
+
+void check_size(int width, int height, const std::string& name) {
+  if (width >= 1 && height >= 1 && width <= max_picture_side && height <= max_picture_side) return;
+  throw input_error(name + ": picture is " + std::to_string(width) + "x" + std::to_string(height) + ", at most " +
+                    std::to_string(max_picture_side) + "x" + std::to_string(max_picture_side) + " is supported");
+}
+
+void append(void* user, void* data, int size) {
+  bytes& out = *static_cast<bytes*>(user);
+  const uint8_t* p = static_cast<const uint8_t*>(data);
+  out.insert(out.end(), p, p + size);
+}
+
+}  // namespace
+
+image decode_image(const uint8_t* data, size_t size, const std::string& name) {
+  if (size == 0) throw input_error(name + ": not a picture: file is empty");
+  int width = 0, height = 0, channels = 0;
+  source header{data, size};
+  if (stbi_info_from_callbacks(&callbacks, &header, &width, &height, &channels) != 0) check_size(width, height, name);
+  source body{data, size};
+  const std::unique_ptr<stbi_uc, void (*)(void*)> texels(
+      stbi_load_from_callbacks(&callbacks, &body, &width, &height, &channels, channel_count), stbi_image_free);
+  const bool known_header = width >= 1 && height >= 1;
+  if (known_header && body.ran_out) throw input_error(name + ": picture is truncated");
+  if (texels == nullptr) throw input_error(name + ": cannot decode picture: " + one_line(stbi_failure_reason()));
+  check_size(width, height, name);
+  image picture(width, height, {});
+  memcpy(picture.pixels.data(), texels.get(), picture.pixels.size() * sizeof(rgba8));
+  return picture;
+}
+
+image load_image(const std::string& path) {
+  const bytes data = read_file(path);
+  return decode_image(data.data(), data.size(), path);
+}
+
+bytes encode_png(const image& picture) {
+  bytes out;
+  const int stride = picture.width_px * int(sizeof(rgba8));
+  if (stbi_write_png_to_func(append, &out, picture.width_px, picture.height_px, channel_count, picture.pixels.data(), stride) == 0)
+    throw input_error("picture: cannot encode as PNG");
+  return out;
+}
+
+}  // namespace spantex::sim

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+// Models from any file that assimp reads, with their own textures.
+//
+// Textures: embedded ones, else files. A name is taken relative to the model's folder, with either kind of slash, then by
+// its last part alone; case is ignored where the exact name does not exist. Assimp's texture coordinates have their origin bottom
+// left, so v is turned over. Faces are triangles. Wrap modes are the material's. A material without a texture becomes a map of
+// one texel, its diffuse colour. Models are drawn opaque.
+#pragma once
+#include <optional>
+#include <string>
+
+#include "map.hpp"
+#include "world.hpp"
+
+namespace spantex::sim {
+
+struct model_options {
+  prefilter levels = prefilter::box;
+  std::optional<wrap> wrap_u, wrap_v;  // instead of the material's
+};
+
+// Throws input_error: unreadable file, no faces, no face with texture coordinates, a texture that is missing or unreadable.
+world load_model(const std::string& path, const model_options& options);
+
+}  // namespace spantex::sim

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "scene.hpp"
+
+#include <math.h>
+
+namespace spantex::sim {
+
+int32_t to_fixed(double x, int fraction_bits) {
+  const double scaled = ldexp(x, fraction_bits);
+  if (!(fabs(scaled) < 2147483647.0)) throw input_error("scene: number too large for the engine: " + std::to_string(x));
+  return int32_t(lround(scaled));
+}
+
+lens make_lens(screen_size size, double vertical_angle, double near_z) {
+  const double focal = size.height_px / 2.0 / tan(vertical_angle / 2);
+  const projection camera{to_fixed(focal), to_fixed(focal), to_fixed(size.width_px / 2.0), to_fixed(size.height_px / 2.0),
+                          to_fixed(near_z)};
+  return {camera, {0, 0, size.width_px, size.height_px}};
+}
+
+void add_polygon(scene& s, const lens& view, const vertex* vertices, int count, int map_index) {
+  drawable item{true, {}, {}, map_index};
+  const status made = make_polygon(vertices, count, view.camera, view.clip, item.shape);
+  if (made == status::degenerate) return;
+  if (made != status::ok) throw input_error(s.name + ": polygon: " + to_string(made));
+  const std::optional<matrix> ideal = matrix_of(vertices, count, view.camera);
+  if (!ideal) return;
+  item.ideal = *ideal;
+  s.items.push_back(item);
+}
+
+void add_plane(scene& s, const matrix& m, int map_index) {
+  drawable item{false, {}, m, map_index};
+  const status made = make_plane(to_homography(m), {0, 0, s.size.width_px, s.size.height_px}, item.shape.map);
+  if (made == status::degenerate) return;
+  if (made != status::ok) throw input_error(s.name + ": plane: " + to_string(made));
+  s.items.push_back(item);
+}
+
+void add_plane(scene& s, const kt88_plane& q, const view& v, int map_index) {
+  drawable item{false, {}, matrix_of(q, v), map_index};
+  const status made = make_plane(q, v, item.shape.map);
+  if (made != status::ok) throw input_error(s.name + ": plane: " + to_string(made));
+  s.items.push_back(item);
+}
+
+}  // namespace spantex::sim

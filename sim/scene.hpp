@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+// Scenes: what is drawn, ready for the engine. Maps are owned; items hold the integer set-up that the engine draws and the same
+// plane in double precision for the reference.
+#pragma once
+#include <stdint.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <spantex/plane.hpp>
+#include <spantex/polygon.hpp>
+#include "ideal.hpp"
+#include "map.hpp"
+
+namespace spantex::sim {
+
+struct screen_size { int width_px, height_px; };
+
+struct drawable {
+  bool is_polygon;   // `shape` with coverage and depth; otherwise the plane shape.map over the whole screen
+  polygon shape;
+  matrix ideal;
+  int map_index;
+};
+
+using map_list = std::vector<texture_map>;
+
+struct scene {
+  std::string name;
+  screen_size size{};
+  std::shared_ptr<const map_list> maps;  // shared by the frames of a turntable
+  std::vector<drawable> items;
+
+  const texture_view& texture(const drawable& item) const { return (*maps)[size_t(item.map_index)].view(); }
+  bool uses_depth() const { return !items.empty() && items.front().is_polygon; }
+};
+
+// Camera space: x right, y down, z forward. Square pixels; the angle, in radians, is that of the picture's height.
+struct lens {
+  projection camera;
+  rectangle clip;
+};
+lens make_lens(screen_size size, double vertical_angle, double near_z);
+
+// Adds a convex polygon given by vertices in camera space. One that is edge-on, outside the picture or nearer than the lens allows is
+// left out. Throws input_error for vertices beyond what the engine takes.
+void add_polygon(scene& s, const lens& view, const vertex* vertices, int count, int map_index);
+
+// A plane over the whole screen from doubles, already checked; one wholly behind the viewer is left out.
+void add_plane(scene& s, const matrix& m, int map_index);
+void add_plane(scene& s, const kt88_plane& q, const view& v, int map_index);
+
+int32_t to_fixed(double x, int fraction_bits = 16);  // rounded; throws input_error beyond 32 bits
+
+}  // namespace spantex::sim

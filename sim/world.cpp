@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "world.hpp"
+
+#include <math.h>
+
+#include <algorithm>
+
+namespace spantex::sim {
+namespace {
+
+constexpr double engine_radius = 256;       // the world is scaled so that its radius is this in the engine's s15.16
+constexpr double farthest_radii = 100;      // 25600 < 2^15
+constexpr double nearest_radii = 1.0 / 4096;
+
+vector3d operator+(const vector3d& a, const vector3d& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
+vector3d operator-(const vector3d& a, const vector3d& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
+vector3d operator*(const vector3d& a, double k) { return {a[0] * k, a[1] * k, a[2] * k}; }
+double dot(const vector3d& a, const vector3d& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+double length(const vector3d& a) { return sqrt(dot(a, a)); }
+vector3d cross(const vector3d& a, const vector3d& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+vector3d unit(const vector3d& a) { return a * (1 / length(a)); }
+
+struct frame { vector3d eye, right, down, forward; };
+
+double radians(double degrees) { return degrees * M_PI / 180; }
+
+frame looking(const vector3d& eye, const vector3d& forward) {
+  const vector3d up = fabs(forward[1]) > 0.9999 ? vector3d{0, 0, forward[1] > 0 ? 1.0 : -1.0} : vector3d{0, 1, 0};
+  const vector3d right = unit(cross(forward, up));
+  return {eye, right, cross(forward, right), forward};
+}
+
+vector3d direction(double yaw, double pitch) { return {sin(yaw) * cos(pitch), sin(pitch), cos(yaw) * cos(pitch)}; }
+
+// The least distance from the centre at which every corner is in the picture, whatever the yaw: so a turntable does not pulsate.
+double framing_distance(const world& w, const camera_options& c, screen_size size) {
+  constexpr int yaw_steps = 32;
+  constexpr double margin = 1.04;
+  const double up = tan(radians(c.vertical_degrees) / 2), across = up * size.width_px / size.height_px;
+  double distance = 0;
+  for (int k = 0; k < yaw_steps; ++k) {
+    const frame f = looking({}, direction(radians(360.0 * k / yaw_steps), radians(c.pitch_degrees)) * -1);
+    for (const world_face& face : w.faces)
+      for (const world_vertex& p : face.corners) {
+        const vector3d r = p.position - w.centre;
+        const double wanted = std::max(fabs(dot(r, f.right)) / across, fabs(dot(r, f.down)) / up);
+        distance = std::max(distance, wanted * margin - dot(r, f.forward));
+      }
+  }
+  return distance;
+}
+
+frame stand(const world& w, const camera_options& c, screen_size size) {
+  vector3d eye, target = w.centre;
+  if (c.eye && c.target) {
+    eye = *c.eye;
+    target = *c.target;
+  } else {
+    const double distance = c.distance_radii > 0 ? c.distance_radii * w.radius : framing_distance(w, c, size);
+    eye = target + direction(radians(c.yaw_degrees), radians(c.pitch_degrees)) * distance;
+  }
+  if (!(length(target - eye) > 0)) throw input_error(w.name + ": camera stands at its own target");
+  return looking(eye, unit(target - eye));
+}
+
+vertex to_vertex(const world_vertex& p, const frame& f, double scale) {
+  const vector3d r = (p.position - f.eye) * scale;
+  return {to_fixed(dot(r, f.right)), to_fixed(dot(r, f.down)), to_fixed(dot(r, f.forward)), to_fixed(p.u), to_fixed(p.v)};
+}
+
+// Depth of the nearest corner; negative if it is behind the camera.
+double nearest_depth(const world& w, const frame& f) {
+  double least = INFINITY;
+  for (const world_face& face : w.faces)
+    for (const world_vertex& p : face.corners) least = std::min(least, dot(p.position - f.eye, f.forward));
+  return least;
+}
+
+}  // namespace
+
+void world::measure() {
+  vector3d low{INFINITY, INFINITY, INFINITY}, high{-INFINITY, -INFINITY, -INFINITY};
+  for (const world_face& f : faces)
+    for (const world_vertex& c : f.corners)
+      for (size_t k = 0; k < 3; ++k) {
+        low[k] = std::min(low[k], c.position[k]);
+        high[k] = std::max(high[k], c.position[k]);
+      }
+  centre = (low + high) * 0.5;
+  radius = 0;
+  for (const world_face& f : faces)
+    for (const world_vertex& c : f.corners) radius = std::max(radius, length(c.position - centre));
+}
+
+scene look_at(const world& w, const camera_options& camera, screen_size size) {
+  scene s{w.name, size, w.maps, {}};
+  if (!(w.radius > 0)) return s;
+  const frame f = stand(w, camera, size);
+  const double scale = engine_radius / w.radius, distance = length(w.centre - f.eye) / w.radius;
+  if (distance > farthest_radii - 1) throw input_error(w.name + ": camera is more than 99 radii away from the model's centre");
+  const double near_z = std::max(0.99 * nearest_depth(w, f) / w.radius, nearest_radii) * engine_radius;
+  const lens view = make_lens(size, radians(camera.vertical_degrees), near_z);
+  std::vector<vertex> corners;
+  for (const world_face& face : w.faces) {
+    corners.clear();
+    for (const world_vertex& c : face.corners) corners.push_back(to_vertex(c, f, scale));
+    add_polygon(s, view, corners.data(), int(corners.size()), face.map_index);
+  }
+  return s;
+}
+
+}  // namespace spantex::sim

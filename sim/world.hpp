@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+// Textured convex faces in world space (right-handed, y up) and cameras that look at them.
+#pragma once
+#include <array>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "scene.hpp"
+
+namespace spantex::sim {
+
+using vector3d = std::array<double, 3>;
+
+struct world_vertex {
+  vector3d position;
+  double u, v;  // texels of level 0
+};
+
+struct world_face {
+  std::vector<world_vertex> corners;  // 3..8, convex, planar
+  int map_index;
+};
+
+struct world {
+  std::string name;
+  std::shared_ptr<const map_list> maps;
+  std::vector<world_face> faces;
+  vector3d centre{};
+  double radius = 0;  // of the sphere about the centre that holds every corner
+
+  void measure();     // sets centre (of the bounding box) and radius
+};
+
+struct camera_options {
+  double yaw_degrees = 30, pitch_degrees = 20;  // where the camera stands: about the y axis from +z, and above the centre
+  double distance_radii = 0;                    // from the centre, in radii; 0: so that the whole sphere is in the picture
+  std::optional<vector3d> eye, target;          // in world units; both together replace the three above
+  double vertical_degrees = 40;                 // angle of view of the picture's height, 10..150
+};
+
+// Throws input_error: a camera too far away or at its own target.
+scene look_at(const world& w, const camera_options& camera, screen_size size);
+
+}  // namespace spantex::sim

@@ -1,0 +1,223 @@
+// SPDX-License-Identifier: Apache-2.0
+// Texture coordinates against Nu/W as an exact fraction: every position is compared by cross-multiplication in 128 bits.
+#include <tests/support.hpp>
+
+using namespace spantex;
+using namespace spantex::sim;
+
+namespace {
+
+struct coordinate_statistics {
+  int64_t evaluations = 0, by_how[3] = {};
+  int64_t worst = 0;  // 2^-24 texel, rounded up
+  int64_t worst_by_how[3] = {};
+
+  // |raw / 2^16 - n / w| in 2^-24 texel, rounded up.
+  static int64_t error(int64_t raw, int64_t n, int64_t w) {
+    const int128 difference = magnitude_of(int128(raw) * w - (int128(n) << 16));
+    return int64_t((difference * 256 + w - 1) / w);
+  }
+  void note(int64_t e, const span_coefficients& c) {
+    ++evaluations;
+    ++by_how[int(c.how)];
+    if (e > worst_by_how[int(c.how)]) worst_by_how[int(c.how)] = e;
+    if (e > worst) worst = e;
+  }
+  void print(const char* what) const {
+    const auto part = [](int64_t e) { return e == 0 ? 0.0 : 16777216.0 / double(e); };
+    std::printf("# %s: %lld evaluations (affine %lld, one term %lld, divide %lld), worst 1/%.0f texel (1/%.0f, 1/%.0f, 1/%.0f)\n", what,
+                static_cast<long long>(evaluations), static_cast<long long>(by_how[0]), static_cast<long long>(by_how[1]),
+                static_cast<long long>(by_how[2]), part(worst), part(worst_by_how[0]), part(worst_by_how[1]), part(worst_by_how[2]));
+  }
+};
+
+// Within +-2^15 texels, exactly.
+bool is_in_range(int64_t n, int64_t w) { return magnitude_of(n) < int128(w) << 15; }
+
+template <class Prof>
+void measure_span(const Prof& prof, const plane& p, const texture_view& t, int32_t sx, int32_t sy, coordinate_statistics& s) {
+  const span_mask mask = front_mask(p, sx, sy);
+  if (mask == 0) return;
+  const surface what{&p, &t, filter::nearest};
+  span_mask seen = 0;
+  const status done = plan_span(prof, what, sx, sy, mask, [&](span_job& job) {
+    assert_true((seen & job.mask) == 0);
+    seen |= job.mask;
+    for (span_mask rest = job.mask; rest != 0; rest &= rest - 1) {
+      const int k = __builtin_ctzll(rest), i = k % span_side, j = k / span_side;
+      const int32_t hx = 2 * (sx * span_side + i) + 1, hy = 2 * (sy * span_side + j) + 1;
+      const int64_t w = p.w_at(hx, hy), nu = p.u_at(hx, hy), nv = p.v_at(hx, hy);
+      const texel_position at = position_at(prof, job.coefficients, i, j);
+      if (is_in_range(nu, w)) s.note(coordinate_statistics::error(at.u.raw(), nu, w), job.coefficients);
+      if (is_in_range(nv, w)) s.note(coordinate_statistics::error(at.v.raw(), nv, w), job.coefficients);
+    }
+    return status::ok;
+  });
+  SPANTEX_ASSERT_OK(done);
+  assert_true(seen == mask);
+}
+
+template <class Prof>
+void measure_region(const Prof& prof, const plane& p, const texture_view& t, rectangle region, coordinate_statistics& s) {
+  for (int32_t sy = region.y0 / span_side; sy <= (region.y1 - 1) / span_side; ++sy)
+    for (int32_t sx = region.x0 / span_side; sx <= (region.x1 - 1) / span_side; ++sx) measure_span(prof, p, t, sx, sy, s);
+}
+
+// Random planes: small regions whole, large ones at random spans and along the horizon.
+template <profile P>
+coordinate_statistics measure_random(int small_planes, int large_planes) {
+  const fixed_profile<P> prof;
+  const texture_view t = unread_view(4096, 4096);
+  coordinate_statistics s;
+  random_source random(30);
+  plane p{};
+  for (int k = 0; k < small_planes; ++k) {
+    const int32_t x = 8 * int32_t(random.next() % 500), y = 8 * int32_t(random.next() % 500);
+    const rectangle region{x, y, x + 64, y + 64};
+    if (random_plane(random, region, p)) measure_region(prof, p, t, region, s);
+  }
+  const rectangle screen{0, 0, 4096, 4096};
+  for (int k = 0; k < large_planes; ++k) {
+    if (!random_plane(random, screen, p)) continue;
+    for (int n = 0; n < 8; ++n) measure_span(prof, p, t, int32_t(random.next() % 512), int32_t(random.next() % 512), s);
+    const int32_t row = int32_t(random.next() % 512);
+    for (int32_t sx = 0; sx < 512; ++sx) {
+      const span_mask front = front_mask(p, sx, row);
+      if (front != 0 && front != full_mask) measure_span(prof, p, t, sx, row, s);
+    }
+  }
+  return s;
+}
+
+}  // namespace
+
+SPANTEX_CASE(exact_profile_is_within_a_512th_of_a_texel) {
+  const coordinate_statistics s = measure_random<profiles::exact>(400, 1000);
+  s.print("exact");
+  assert_true(s.evaluations >= 2000000 && s.by_how[0] > 10000 && s.by_how[1] > 10000 && s.by_how[2] > 10000);
+  assert_true(s.worst <= (1 << 24) / 512);
+}
+
+SPANTEX_CASE(default_profile_is_within_a_256th_of_a_texel) {
+  const coordinate_statistics s = measure_random<profiles::standard>(400, 1000);
+  s.print("default");
+  assert_true(s.evaluations >= 2000000);
+  assert_true(s.worst <= (1 << 24) / 256);
+}
+
+// Every profile keeps the bound that its numbers promise.
+template <profile P>
+static void check_own_bound(const char* name) {
+  const coordinate_statistics s = measure_random<P>(100, 300);
+  s.print(name);
+  std::printf("#   bound of its numbers: 1/%.2f texel\n", double(error_unit) / double(coordinate_bound(P)));
+  assert_true(uint64_t(s.worst - 1) << 16 <= coordinate_bound(P));
+}
+
+SPANTEX_CASE(every_profile_keeps_the_bound_of_its_numbers) {
+  check_own_bound<profiles::exact>("exact");
+  check_own_bound<profiles::standard>("default");
+  check_own_bound<profiles::compact>("compact");
+  check_own_bound<profiles::seed>("seed");
+}
+
+SPANTEX_CASE(sample_planes_are_within_a_512th_of_a_texel) {
+  const fixed_profile<profiles::exact> prof;
+  const texture_view t = unread_view(512, 512);
+  for (int k = 0; k < sample_plane_count; ++k) {
+    coordinate_statistics s;
+    measure_region(prof, sample_plane(k), t, {0, 0, 640, 480}, s);
+    s.print("sample plane");
+    assert_true(s.worst <= (1 << 24) / 512);
+  }
+}
+
+// The ends of the promised range: u runs through +-2^15 within the region.
+SPANTEX_CASE(coordinates_just_inside_2_to_the_15_are_within_their_bound) {
+  const fixed_profile<profiles::exact> prof;
+  const texture_view t = unread_view(4096, 4096);
+  const rectangle region{0, 0, 64, 64};
+  coordinate_statistics s;
+  for (const int64_t sign : {-1, 1})
+    for (const int64_t slope : {1ll << 36, 1ll << 40, 5ll << 38, -(3ll << 39)})
+      for (const int64_t g : {0ll, 1ll << 28, 1ll << 34}) {
+        const wide one(int64_t(1) << 40), zero(0);
+        const homography m{wide(slope), zero, multiply(one, sign * 32768) - multiply(wide(slope), 32), zero, wide(slope), multiply(one, sign * 32768) - multiply(wide(slope), 32),
+                           wide(g), zero, one};
+        plane p{};
+        SPANTEX_ASSERT_OK(make_plane(m, region, p));
+        measure_region(prof, p, t, region, s);
+      }
+  s.print("near 2^15");
+  assert_true(s.evaluations > 10000);
+  assert_true(s.worst <= (1 << 24) / 512);
+}
+
+SPANTEX_CASE(beyond_2_to_the_15_the_sign_and_a_far_coordinate_remain) {
+  const fixed_profile<profiles::exact> prof;
+  const texture_view t = unread_view(64, 64);
+  const rectangle region{0, 0, 64, 64};
+  random_source random(31);
+  for (int k = 0; k < 2000; ++k) {
+    const wide one(int64_t(1) << 30);
+    const int64_t far = random.between(33000, 4000000000ll) * ((k & 1) != 0 ? 1 : -1);
+    const homography m{one, wide(0), multiply(one, far), wide(0), one, multiply(one, -far), wide(0), wide(random.between(-100000, 100000)), one};
+    plane p{};
+    SPANTEX_ASSERT_OK(make_plane(m, region, p));
+    const surface what{&p, &t, filter::nearest};
+    SPANTEX_ASSERT_OK(plan_span(prof, what, 3, 3, front_mask(p, 3, 3), [&](span_job& job) {
+      for (span_mask rest = job.mask; rest != 0; rest &= rest - 1) {
+        const texel_position at = position_at(prof, job.coefficients, __builtin_ctzll(rest) % 8, __builtin_ctzll(rest) / 8);
+        assert_true(magnitude_of(at.u.raw()) >= 32767 << 16 && magnitude_of(at.v.raw()) >= 32767 << 16);
+        assert_true((at.u.raw() < 0) == (far < 0) && (at.v.raw() < 0) == (far > 0));
+      }
+      return status::ok;
+    }));
+  }
+}
+
+// A position does not depend on how the span it lies in is cut, nor on which profile type carries the numbers.
+SPANTEX_CASE(run_time_and_compile_time_profiles_give_the_same_positions) {
+  const texture_view t = unread_view(512, 512);
+  const auto check = [&](auto fixed) {
+    const run_time_profile dynamic{fixed.get()};
+    for (int k = 0; k < sample_plane_count; ++k) {
+      const plane p = sample_plane(k);
+      const surface what{&p, &t, filter::nearest};
+      for (int32_t s = 0; s < 60; ++s) {
+        const span_mask mask = front_mask(p, s, s);
+        if (mask == 0) continue;
+        static texel_position first[64];
+        SPANTEX_ASSERT_OK(plan_span(fixed, what, s, s, mask, [&](span_job& job) {
+          for (span_mask m = job.mask; m != 0; m &= m - 1) first[__builtin_ctzll(m)] = position_at(fixed, job.coefficients, __builtin_ctzll(m) % 8, __builtin_ctzll(m) / 8);
+          return status::ok;
+        }));
+        SPANTEX_ASSERT_OK(plan_span(dynamic, what, s, s, mask, [&](span_job& job) {
+          for (span_mask m = job.mask; m != 0; m &= m - 1) {
+            const int n = __builtin_ctzll(m);
+            const texel_position q = position_at(dynamic, job.coefficients, n % 8, n / 8);
+            assert_true(q.u == first[n].u && q.v == first[n].v);
+          }
+          return status::ok;
+        }));
+      }
+    }
+  };
+  check(fixed_profile<profiles::seed>{});
+  check(fixed_profile<profiles::compact>{});
+  check(fixed_profile<profiles::standard>{});
+  check(fixed_profile<profiles::exact>{});
+}
+
+int main() {
+  const CMUnitTest tests[] = {
+      cmocka_unit_test(exact_profile_is_within_a_512th_of_a_texel),
+      cmocka_unit_test(default_profile_is_within_a_256th_of_a_texel),
+      cmocka_unit_test(every_profile_keeps_the_bound_of_its_numbers),
+      cmocka_unit_test(sample_planes_are_within_a_512th_of_a_texel),
+      cmocka_unit_test(coordinates_just_inside_2_to_the_15_are_within_their_bound),
+      cmocka_unit_test(beyond_2_to_the_15_the_sign_and_a_far_coordinate_remain),
+      cmocka_unit_test(run_time_and_compile_time_profiles_give_the_same_positions),
+  };
+  return run_suite("coordinates", tests);
+}

@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: Apache-2.0
+// Level of detail against the formulas it implements. The Jacobian's numerators A W - Nu G are exact (128 bits); lengths and logarithms
+// are taken in long double, which errs by less than 2^-50 of a level: nothing beside 2^-8.
+#include <tests/support.hpp>
+
+#include <cmath>
+
+using namespace spantex;
+using namespace spantex::sim;
+
+namespace {
+
+using real = long double;
+
+// W^2 times the longer column of the Jacobian, texels per pixel.
+real longer_column(const plane& p, int32_t hx, int32_t hy) {
+  const int64_t w = p.w_at(hx, hy), nu = p.u_at(hx, hy), nv = p.v_at(hx, hy);
+  const auto numerator = [&](int64_t slope, int64_t n, int64_t w_slope) { return real(int128(slope) * w - int128(n) * w_slope) * 2; };
+  const real x = std::hypot(numerator(p.u.x, nu, p.w.x), numerator(p.v.x, nv, p.w.x));
+  const real y = std::hypot(numerator(p.u.y, nu, p.w.y), numerator(p.v.y, nv, p.w.y));
+  return x > y ? x : y;
+}
+
+real jacobian_level(const plane& p, int32_t hx, int32_t hy) {
+  const real column = longer_column(p, hx, hy);
+  return column == 0 ? real(-100) : std::log2(column) - 2 * std::log2(real(p.w_at(hx, hy)));
+}
+
+// KT88's formula anchored where set-up anchors it: twice the longer column at (ax, ay).
+real major_level(const plane& p, int32_t ax, int32_t ay, int32_t hx, int32_t hy) {
+  return 1 + std::log2(longer_column(p, ax, ay)) - 2 * std::log2(real(p.w_at(hx, hy)));
+}
+
+real limited(real level, int last) { return level < 0 ? 0 : level > last ? last : level; }
+
+struct level_statistics {
+  int64_t pixels = 0, inside = 0, pixel_mode = 0;
+  real worst = 0;
+  void print(const char* what) const {
+    std::printf("# %s: %lld pixels (%lld between the ends, %lld about their own centre), worst 1/%.1Lf level\n", what,
+                static_cast<long long>(pixels), static_cast<long long>(inside), static_cast<long long>(pixel_mode), worst == 0 ? 0 : 1 / worst);
+  }
+};
+
+bool is_in_range(const plane& p, int32_t hx, int32_t hy) {
+  const int128 limit = int128(p.w_at(hx, hy)) << 15;
+  return magnitude_of(p.u_at(hx, hy)) < limit && magnitude_of(p.v_at(hx, hy)) < limit;
+}
+
+template <class Prof, class Exact>
+void measure_span(const Prof& prof, const plane& p, const texture_view& t, int32_t sx, int32_t sy, Exact exact, level_statistics& s) {
+  const profile& q = prof.get();
+  const span_mask mask = front_mask(p, sx, sy);
+  if (mask == 0) return;
+  const surface what{&p, &t, filter::trilinear};
+  SPANTEX_ASSERT_OK(plan_span(prof, what, sx, sy, mask, [&](span_job& job) {
+    for (span_mask rest = job.mask; rest != 0; rest &= rest - 1) {
+      const int k = __builtin_ctzll(rest), i = k % span_side, j = k / span_side;
+      const int32_t hx = 2 * (sx * span_side + i) + 1, hy = 2 * (sy * span_side + j) + 1;
+      if (!is_in_range(p, hx, hy)) continue;
+      const real want = limited(exact(hx, hy) + real(q.level_bias) / 16, t.last_level());
+      const real error = std::fabs(real(level_at(prof, job.coefficients, i, j)) / (1 << q.level_bits) - want);
+      ++s.pixels;
+      if (want > 0 && want < t.last_level()) ++s.inside;
+      if ((job.coefficients.a_u | job.coefficients.b_u | job.coefficients.a_v | job.coefficients.b_v) == 0) ++s.pixel_mode;
+      if (error > s.worst) s.worst = error;
+    }
+    return status::ok;
+  }));
+}
+
+template <class Prof>
+level_statistics measure_random(const Prof& prof, int planes) {
+  const texture_view t = unread_view(4096, 4096);
+  const rectangle screen{0, 0, 4096, 4096};
+  level_statistics s;
+  random_source random(40);
+  plane p{};
+  for (int k = 0; k < planes; ++k) {
+    const int32_t x = 8 * int32_t(random.next() % 500), y = 8 * int32_t(random.next() % 500);
+    const bool whole = k % 2 == 0;
+    if (!random_plane(random, whole ? screen : rectangle{x, y, x + 64, y + 64}, p)) continue;
+    const auto exact = [&](int32_t hx, int32_t hy) { return jacobian_level(p, hx, hy); };
+    const int32_t row = int32_t(random.next() % 512);
+    for (int n = 0; n < 16; ++n) {
+      const int32_t sx = whole ? int32_t(random.next() % 512) : x / 8 + int32_t(random.next() % 8);
+      const int32_t sy = whole ? int32_t(random.next() % 512) : y / 8 + int32_t(random.next() % 8);
+      measure_span(prof, p, t, sx, sy, exact, s);
+    }
+    for (int32_t sx = 0; whole && sx < 512; ++sx) {  // along the horizon
+      const span_mask front = front_mask(p, sx, row);
+      if (front != 0 && front != full_mask) measure_span(prof, p, t, sx, row, exact, s);
+    }
+  }
+  return s;
+}
+
+}  // namespace
+
+SPANTEX_CASE(exact_profile_is_within_a_256th_of_a_level) {
+  const level_statistics s = measure_random(fixed_profile<profiles::exact>{}, 2000);
+  s.print("exact");
+  assert_true(s.pixels > 500000 && s.inside > 100000 && s.pixel_mode > 5000);
+  assert_true(s.worst <= real(1) / 256);
+}
+
+SPANTEX_CASE(default_profile_is_within_a_128th_of_a_level) {
+  const level_statistics s = measure_random(fixed_profile<profiles::standard>{}, 2000);
+  s.print("default");
+  assert_true(s.worst <= real(1) / 128);
+}
+
+SPANTEX_CASE(the_bias_is_added_in_sixteenths) {
+  for (const int bias : {-128, -17, 1, 40, 127}) {
+    run_time_profile prof{profiles::exact};
+    prof.value.level_bias = bias;
+    const level_statistics s = measure_random(prof, 60);
+    assert_true(s.pixels > 5000);
+    assert_true(s.worst <= real(1) / 256);
+  }
+}
+
+SPANTEX_CASE(spans_across_the_horizon_are_within_a_256th_of_a_level) {
+  const fixed_profile<profiles::exact> prof;
+  const texture_view t = unread_view(512, 512);
+  const plane p = sample_plane(3);
+  level_statistics s;
+  for (int32_t sy = 0; sy < 60; ++sy)
+    for (int32_t sx = 0; sx < 80; ++sx)
+      measure_span(prof, p, t, sx, sy, [&](int32_t hx, int32_t hy) { return jacobian_level(p, hx, hy); }, s);
+  s.print("horizon");
+  assert_true(s.pixel_mode > 500);
+  assert_true(s.worst <= real(1) / 256);
+}
+
+SPANTEX_CASE(the_major_axis_formula_is_within_a_256th_of_a_level) {
+  run_time_profile prof{profiles::exact};
+  prof.value.formula = level_formula::major;
+  const texture_view t = unread_view(4096, 4096);
+  level_statistics s;
+  for (int k = 0; k < 3; ++k) {  // their middles are in front of the viewer
+    const plane p = sample_plane(k);
+    for (int32_t sy = 0; sy < 60; ++sy)
+      for (int32_t sx = 0; sx < 80; ++sx)
+        measure_span(prof, p, t, sx, sy, [&](int32_t hx, int32_t hy) { return major_level(p, 640, 480, hx, hy); }, s);
+  }
+  s.print("major");
+  assert_true(s.pixels > 800000);
+  assert_true(s.worst <= real(1) / 256);
+}
+
+// ceil(d + 1/2) - 1, found by counting up.
+SPANTEX_CASE(the_nearest_level_follows_its_rule_for_every_level_of_detail) {
+  for (int bits = 1; bits <= 8; ++bits)
+    for (int last = 0; last < max_levels; ++last)
+      for (int32_t level = 0; level <= last << bits; ++level) {
+        int expected = 0;  // the smallest n with n + 1 >= d + 1/2
+        while ((2 * expected + 2) << bits < 2 * level + (1 << bits)) ++expected;
+        assert_int_equal(integer_level(filter::mip_bilinear, level, bits, last), expected);
+        assert_true(expected <= last);
+      }
+}
+
+SPANTEX_CASE(two_level_filters_take_the_finer_level_for_every_level_of_detail) {
+  for (const filter kind : {filter::trilinear, filter::trilinear3})
+    for (int bits = 1; bits <= 8; ++bits)
+      for (int last = 0; last < max_levels; ++last)
+        for (int32_t level = 0; level <= last << bits; ++level) {
+          int expected = 0;
+          while ((expected + 1) << bits <= level) ++expected;
+          assert_int_equal(integer_level(kind, level, bits, last), expected);
+        }
+}
+
+SPANTEX_CASE(filters_without_levels_stay_on_the_full_map) {
+  for (const filter kind : {filter::nearest, filter::bilinear, filter::three_point})
+    for (int32_t level = 0; level <= 12 << 8; ++level) assert_int_equal(integer_level(kind, level, 8, 12), 0);
+}
+
+// A map seen face on, one texel a pixel, two, four: whole levels, exactly.
+SPANTEX_CASE(powers_of_two_of_texels_per_pixel_are_whole_levels) {
+  const fixed_profile<profiles::exact> prof;
+  const texture_view t = unread_view(4096, 4096);
+  for (int level = 0; level <= 6; ++level) {
+    const wide step(int64_t(1) << (20 + level)), zero(0), one(int64_t(1) << 20);
+    const homography m{step, zero, zero, zero, step, zero, zero, zero, one};
+    plane p{};
+    SPANTEX_ASSERT_OK(make_plane(m, {0, 0, 256, 256}, p));
+    const surface what{&p, &t, filter::trilinear};
+    SPANTEX_ASSERT_OK(plan_span(prof, what, 5, 7, full_mask, [&](span_job& job) {
+      for (span_mask rest = job.mask; rest != 0; rest &= rest - 1)
+        assert_int_equal(level_at(prof, job.coefficients, __builtin_ctzll(rest) % 8, __builtin_ctzll(rest) / 8), level << 8);
+      return status::ok;
+    }));
+  }
+}
+
+int main() {
+  const CMUnitTest tests[] = {
+      cmocka_unit_test(exact_profile_is_within_a_256th_of_a_level),
+      cmocka_unit_test(default_profile_is_within_a_128th_of_a_level),
+      cmocka_unit_test(the_bias_is_added_in_sixteenths),
+      cmocka_unit_test(spans_across_the_horizon_are_within_a_256th_of_a_level),
+      cmocka_unit_test(the_major_axis_formula_is_within_a_256th_of_a_level),
+      cmocka_unit_test(the_nearest_level_follows_its_rule_for_every_level_of_detail),
+      cmocka_unit_test(two_level_filters_take_the_finer_level_for_every_level_of_detail),
+      cmocka_unit_test(filters_without_levels_stay_on_the_full_map),
+      cmocka_unit_test(powers_of_two_of_texels_per_pixel_are_whole_levels),
+  };
+  return run_suite("level", tests);
+}
