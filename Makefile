@@ -7,6 +7,7 @@ ifeq ($(origin CXX),default)
 CXX      := g++
 endif
 OPT      ?= -O2
+EVALUATIONS ?= 1000000000
 WARN     := -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -Werror
 STD      := -std=c++20
 INCLUDES := -I. -Ifirmware
@@ -23,7 +24,7 @@ HOST_OBJECTS := $(HOST_SOURCES:%.cpp=$(B)/%.o)
 TOOL_OBJECTS := $(TOOL_SOURCES:%.cpp=$(B)/%.o)
 UNIT_TESTS   := $(UNIT_SOURCES:tests/unit/%.cpp=$(B)/tests/%)
 
-.PHONY: all demo test clean help setup-build setup-test setup-demo
+.PHONY: all demo test stress check-gates unit-tests clean help setup-build setup-test setup-demo
 
 all: setup-build ## build the command: build/spantex
 	@$(MAKE) --no-print-directory -j$(JOBS) $(B)/spantex
@@ -36,6 +37,15 @@ test: setup-build setup-test setup-demo ## run every test; T=suite.case runs one
 	@CXX="$(CXX)" python3 tests/run.py --build $(B) $(if $(T),--only '$(T)')
 
 unit-tests: $(UNIT_TESTS)
+
+stress: setup-build all ## coordinates, levels and coverage against exact arithmetic, 10^9 evaluations a profile; tables in build/stress
+	@mkdir -p $(B)/stress
+	@for p in exact default; do \
+	  $(B)/spantex stress --profile $$p --evaluations $(EVALUATIONS) --threads $(JOBS) --json $(B)/stress/$$p.json | tee $(B)/stress/$$p.txt; \
+	  test $${PIPESTATUS:-0} = 0 || exit 1; done
+
+check-gates: setup-test ## break the code on purpose, one line at a time: a named test must notice each
+	@tests/gates.py
 
 clean: ## remove everything built
 	@rm -rf $(B)

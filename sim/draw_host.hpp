@@ -22,8 +22,9 @@ enum class engine_choice : uint8_t { direct, simulated };
 
 template <class T> struct named { std::string_view name; T value; };
 
-inline constexpr std::array<named<profile_choice>, 4> profile_names{{{"seed", profile_choice::seed}, {"compact", profile_choice::compact},
-                                                                     {"default", profile_choice::standard}, {"exact", profile_choice::exact}}};
+inline constexpr std::array<named<profile_choice>, 4> profile_names{
+    {{"seed", profile_choice::seed}, {"compact", profile_choice::compact},
+     {"default", profile_choice::standard}, {"exact", profile_choice::exact}}};
 inline constexpr std::array<named<engine_choice>, 2> engine_names{{{"direct", engine_choice::direct}, {"sim", engine_choice::simulated}}};
 inline constexpr std::array<named<filter>, 6> filter_names{{{"nearest", filter::nearest}, {"bilinear", filter::bilinear},
                                                             {"three-point", filter::three_point}, {"mip-bilinear", filter::mip_bilinear},

@@ -53,7 +53,8 @@ float level_of_detail(const float_matrix& m, float u, float v, float w) {
 colour sample(const texture_view& t, filter kind, const float_matrix& m, float x, float y) {
   const float w = m[6] * x + m[7] * y + m[8];
   const float limit = 1 << 20;
-  const float u = std::clamp((m[0] * x + m[1] * y + m[2]) / w, -limit, limit), v = std::clamp((m[3] * x + m[4] * y + m[5]) / w, -limit, limit);
+  const float u = std::clamp((m[0] * x + m[1] * y + m[2]) / w, -limit, limit);
+  const float v = std::clamp((m[3] * x + m[4] * y + m[5]) / w, -limit, limit);
   const bool three = uses_three_points(kind);
   if (kind == filter::nearest) return texel(t, 0, int(floorf(u)), int(floorf(v)));
   if (!uses_levels(kind)) return on_level(t, 0, u, v, three);

@@ -89,9 +89,9 @@ image halved(const image& fine, prefilter kind, wrap u, wrap v) {
     for (int x = 0; x < coarse.width_px; ++x) {
       const taps &across = columns.outputs[size_t(x)], &down = rows.outputs[size_t(y)];
       sums s{};
-      for (int j = 0; j < down.count; ++j)
-        for (int i = 0; i < across.count; ++i)
-          accumulate(s, fine.at(across.texel[size_t(i)], down.texel[size_t(j)]), uint64_t(across.weight[size_t(i)]) * down.weight[size_t(j)]);
+      for (size_t j = 0; j < size_t(down.count); ++j)
+        for (size_t i = 0; i < size_t(across.count); ++i)
+          accumulate(s, fine.at(across.texel[i], down.texel[j]), uint64_t(across.weight[i]) * down.weight[j]);
       coarse.at(x, y) = mean(s, total);
     }
   return coarse;

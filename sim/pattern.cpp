@@ -31,8 +31,9 @@ image random_pattern(int side, uint32_t seed) {
   image out(side, side, {});
   for (int y = 0; y < side; ++y)
     for (int x = 0; x < side; ++x) {
-      const int value = (3 * noise(x, y, 3, side, seed) + 2 * noise(x, y, 1, side, seed + 1) + lattice(uint32_t(x), uint32_t(y), seed + 2)) / 6;
-      const int grain = 128 + (value - 128) * 3 / 2;
+      const int coarse = noise(x, y, 3, side, seed), fine = noise(x, y, 1, side, seed + 1);
+      const int dots = lattice(uint32_t(x), uint32_t(y), seed + 2);
+      const int grain = 128 + ((3 * coarse + 2 * fine + dots) / 6 - 128) * 3 / 2;
       out.at(x, y) = {byte(grain), byte(grain * 15 / 16 + 8), byte(grain * 13 / 16 + 16), 255};
     }
   return out;

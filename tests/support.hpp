@@ -232,7 +232,8 @@ inline bool random_plane(random_source& random, rectangle region, plane& out) {
   const int64_t a = number(-13, 7), b = number(-13, 7), d = number(-13, 7), e = number(-13, 7);
   const int64_t u0 = kind == 7 ? number(14, 14) : number(-4, 14), v0 = number(-4, 14);
   const auto at_point = [&](int64_t value, int64_t sx, int64_t sy) { return wide(value) - multiply(wide(sx), x) - multiply(wide(sy), y); };
-  const homography m{wide(a), wide(b), at_point(u0, a, b), wide(d), wide(e), at_point(v0, d, e), wide(g), wide(h), at_point(one, g, h)};
+  const homography m{wide(a), wide(b), at_point(u0, a, b), wide(d), wide(e), at_point(v0, d, e),
+                     wide(g), wide(h), at_point(one, g, h)};
   return make_plane(m, region, out) == status::ok;
 }
 

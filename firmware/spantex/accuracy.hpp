@@ -43,7 +43,7 @@ constexpr uint64_t relative_w_bound(const profile& p) {
 
 // The reciprocal unit, relative: table and iterations, then rounding to reciprocal_bits of a number that is at least 2/3.
 constexpr uint64_t reciprocal_unit_bound(const profile& p) {
-  const uint64_t unit = p.reciprocal_bits <= 15 ? 2 * detail::bound_power(-15) : 3 * detail::bound_power(-31);
+  const uint64_t unit = detail::bound_power(p.reciprocal_bits <= 15 ? -13 : -29);  // 4 units of a number that is at least 1/2
   return unit + detail::bound_power(-p.reciprocal_bits);
 }
 

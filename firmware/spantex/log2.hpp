@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Integer log2: a count of leading zeros for the integer part, a table with linear interpolation for the fraction
-// (KT88 takes the level of detail from log2|W| this way). Exact at the knots, never above the true value by more
-// than half a unit of 2^-16, below it by at most 3.5 units; monotone.
+// (KT88 takes the level of detail from log2|W| this way). In units of 2^-16: exact at powers of two, less than
+// 1 above the true value, at most 3.91 below it; monotone.
 #pragma once
 #include <stdint.h>
 

@@ -32,15 +32,15 @@ constexpr uint32_t newton_step(uint32_t m, uint32_t y) {
   return next > 0xFFFFFFFFll ? 0xFFFFFFFFu : uint32_t(next);
 }
 
-// m: u1.31 with its top bit set. Result: u0.32 in [2^31, 2^32 - 1]; |result - 2^63/m| <= 3.
+// m: u1.31 with its top bit set. Result: u0.32, less than 4 below 2^63/m and never above it.
 constexpr uint32_t reciprocal_wide(uint32_t m) {
   uint32_t y = uint32_t(reciprocal_seeds.seed[(m >> 24) & 127]) << 16;
   y = newton_step(m, y);
   return newton_step(m, y);
 }
 
-// The same unit with 32-bit products only: m u1.15 with its top bit set, result u0.16 in [2^15, 2^16 - 1].
-// |result - 2^31/m| <= 2.
+// The same unit with 32-bit products only: m u1.15 with its top bit set, result u0.16, less than 4 below
+// 2^31/m and never above it.
 constexpr uint32_t reciprocal_narrow(uint32_t m) {
   const uint32_t y = reciprocal_seeds.seed[(m >> 8) & 127];
   const int32_t error = int32_t((uint32_t(1) << 31) - m * y);             // 31 fraction bits

@@ -79,7 +79,10 @@ coordinate_statistics measure_random(int small_planes, int large_planes) {
   const rectangle screen{0, 0, 4096, 4096};
   for (int k = 0; k < large_planes; ++k) {
     if (!random_plane(random, screen, p)) continue;
-    for (int n = 0; n < 8; ++n) measure_span(prof, p, t, int32_t(random.next() % 512), int32_t(random.next() % 512), s);
+    for (int n = 0; n < 8; ++n) {
+      const int32_t sx = int32_t(random.next() % 512), sy = int32_t(random.next() % 512);
+      measure_span(prof, p, t, sx, sy, s);
+    }
     const int32_t row = int32_t(random.next() % 512);
     for (int32_t sx = 0; sx < 512; ++sx) {
       const span_mask front = front_mask(p, sx, row);
@@ -142,8 +145,8 @@ SPANTEX_CASE(coordinates_just_inside_2_to_the_15_are_within_their_bound) {
     for (const int64_t slope : {1ll << 36, 1ll << 40, 5ll << 38, -(3ll << 39)})
       for (const int64_t g : {0ll, 1ll << 28, 1ll << 34}) {
         const wide one(int64_t(1) << 40), zero(0);
-        const homography m{wide(slope), zero, multiply(one, sign * 32768) - multiply(wide(slope), 32), zero, wide(slope), multiply(one, sign * 32768) - multiply(wide(slope), 32),
-                           wide(g), zero, one};
+        const wide offset = multiply(one, sign * 32768) - multiply(wide(slope), 32);
+        const homography m{wide(slope), zero, offset, zero, wide(slope), offset, wide(g), zero, one};
         plane p{};
         SPANTEX_ASSERT_OK(make_plane(m, region, p));
         measure_region(prof, p, t, region, s);
@@ -161,7 +164,8 @@ SPANTEX_CASE(beyond_2_to_the_15_the_sign_and_a_far_coordinate_remain) {
   for (int k = 0; k < 2000; ++k) {
     const wide one(int64_t(1) << 30);
     const int64_t far = random.between(33000, 4000000000ll) * ((k & 1) != 0 ? 1 : -1);
-    const homography m{one, wide(0), multiply(one, far), wide(0), one, multiply(one, -far), wide(0), wide(random.between(-100000, 100000)), one};
+    const wide h(random.between(-100000, 100000));
+    const homography m{one, wide(0), multiply(one, far), wide(0), one, multiply(one, -far), wide(0), h, one};
     plane p{};
     SPANTEX_ASSERT_OK(make_plane(m, region, p));
     const surface what{&p, &t, filter::nearest};
@@ -189,7 +193,10 @@ SPANTEX_CASE(run_time_and_compile_time_profiles_give_the_same_positions) {
         if (mask == 0) continue;
         static texel_position first[64];
         SPANTEX_ASSERT_OK(plan_span(fixed, what, s, s, mask, [&](span_job& job) {
-          for (span_mask m = job.mask; m != 0; m &= m - 1) first[__builtin_ctzll(m)] = position_at(fixed, job.coefficients, __builtin_ctzll(m) % 8, __builtin_ctzll(m) / 8);
+          for (span_mask m = job.mask; m != 0; m &= m - 1) {
+            const int n = __builtin_ctzll(m);
+            first[n] = position_at(fixed, job.coefficients, n % 8, n / 8);
+          }
           return status::ok;
         }));
         SPANTEX_ASSERT_OK(plan_span(dynamic, what, s, s, mask, [&](span_job& job) {

@@ -72,7 +72,8 @@ SPANTEX_CASE(triangles_cover_what_the_rule_says) {
   int checked = 0;
   for (int n = 0; n < 3000; ++n) {
     triangle t;
-    const int32_t size = n % 3 == 0 ? one_px * 3 : one_px * screen_px, x = int32_t(random.next() % 60) * one_px * (n % 3 == 0), y = x / 2;
+    const bool small = n % 3 == 0;
+    const int32_t size = small ? one_px * 3 : one_px * screen_px, x = small ? int32_t(random.next() % 60) * one_px : 0, y = x / 2;
     for (screen_point& p : t.p) p = {x + random_coordinate(random, -size / 8, size), y + random_coordinate(random, -size / 8, size)};
     t = clockwise(t);
     if (turn(t.p[0], t.p[1], t.p[2]) == 0) continue;
@@ -103,12 +104,12 @@ SPANTEX_CASE(fans_draw_every_pixel_of_their_union_once) {
   static constexpr int way[8][2] = {{0, -1}, {1, -1}, {1, 0}, {1, 1}, {0, 1}, {-1, 1}, {-1, 0}, {-1, -1}};
   random_source random(51);
   for (int n = 0; n < 1500; ++n) {
-    const int32_t reach = 1 + int32_t(random.next() % (n % 4 == 0 ? 5u : n % 4 == 1 ? 600u : 30u * one_px));
+    const int32_t radius = 1 + int32_t(random.next() % (n % 4 == 0 ? 5u : n % 4 == 1 ? 600u : 30u * one_px));
     const screen_point c{random_coordinate(random, 8 * one_px, 56 * one_px), random_coordinate(random, 8 * one_px, 56 * one_px)};
     triangle fan[8];
     screen_point ring[8];
     for (int k = 0; k < 8; ++k)
-      ring[k] = {c.x + way[k][0] * int32_t(1 + random.next() % uint64_t(reach)), c.y + way[k][1] * int32_t(1 + random.next() % uint64_t(reach))};
+      ring[k] = {c.x + way[k][0] * int32_t(random.between(1, radius)), c.y + way[k][1] * int32_t(random.between(1, radius))};
     counted.clear();
     for (int k = 0; k < 8; ++k) {
       fan[k] = {{c, ring[k], ring[(k + 1) % 8]}};
@@ -234,7 +235,10 @@ SPANTEX_CASE(boxes_are_the_smallest_that_hold_the_mask) {
     if (mask == 0) continue;
     mask_box expected{8, 8, -1, -1};
     for (int k = 0; k < 64; ++k)
-      if ((mask >> k) & 1) expected = {min_of(expected.x0, k % 8), min_of(expected.y0, k / 8), max_of(expected.x1, k % 8), max_of(expected.y1, k / 8)};
+      if ((mask >> k) & 1) {
+        const int x = k % 8, y = k / 8;
+        expected = {min_of(expected.x0, x), min_of(expected.y0, y), max_of(expected.x1, x), max_of(expected.y1, y)};
+      }
     const mask_box b = box_of(mask);
     assert_true(b.x0 == expected.x0 && b.y0 == expected.y0 && b.x1 == expected.x1 && b.y1 == expected.y1);
   }

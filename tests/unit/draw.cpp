@@ -25,7 +25,8 @@ texture_view photo() { return photographic_map(64, 64).view(wrap::repeat, wrap::
 
 SPANTEX_CASE(only_the_area_in_front_of_the_viewer_is_drawn) {
   const texture_view t = photo();
-  const rectangle areas[] = {{0, 0, 640, 480}, {3, 5, 4, 6}, {100, 130, 261, 275}, {-50, 200, 70, 9000}, {600, 440, 700, 600}, {639, 479, 640, 480}};
+  const rectangle areas[] = {{0, 0, 640, 480},      {3, 5, 4, 6},         {100, 130, 261, 275},
+                             {-50, 200, 70, 9000}, {600, 440, 700, 600}, {639, 479, 640, 480}};
   for (const rectangle& area : areas) {
     const plane p = sample_plane(3);
     shown.reset(640, 480);
@@ -60,7 +61,8 @@ SPANTEX_CASE(an_empty_area_draws_nothing) {
   shown.reset(64, 64);
   engine_type engine;
   renderer_type r(engine, prof, shown.frame());
-  for (const rectangle area : {rectangle{5, 5, 5, 9}, {9, 9, 5, 12}, {64, 0, 80, 20}, {-9, -9, 0, 0}}) SPANTEX_ASSERT_OK(r.draw(sample_plane(0), t, filter::bilinear, area));
+  for (const rectangle area : {rectangle{5, 5, 5, 9}, {9, 9, 5, 12}, {64, 0, 80, 20}, {-9, -9, 0, 0}})
+    SPANTEX_ASSERT_OK(r.draw(sample_plane(0), t, filter::bilinear, area));
   SPANTEX_ASSERT_OK(r.finish());
   assert_int_equal(r.counters().spans_total, 0);
   for (const rgba8& c : shown.pixels) assert_true(c == background);
@@ -84,7 +86,8 @@ SPANTEX_CASE(a_stride_longer_than_the_width_is_kept) {
 // A polygon is its plane seen through a mask.
 SPANTEX_CASE(a_polygon_shows_its_plane_where_it_covers) {
   const texture_view t = photo();
-  const vertex v[4] = {{-3 * one, -one, 4 * one, 0, 0}, {2 * one, -2 * one, 5 * one, 300 * one, 0}, {2 * one, one, 2 * one, 300 * one, 200 * one}, {-one, one, 2 * one, 120 * one, 190 * one}};
+  const vertex v[3] = {{-3 * one, -one, 4 * one, 0, 0}, {2 * one, -2 * one, 5 * one, 300 * one, 0},
+                       {2 * one, one, 2 * one, 300 * one, 200 * one}};
   polygon p{};
   SPANTEX_ASSERT_OK(make_polygon(v, 3, camera, {0, 0, 128, 128}, p));
   for (const filter kind : all_filters) {
@@ -186,7 +189,9 @@ class failing_engine {
  public:
   explicit failing_engine(int64_t n) : left_(n) {}
   status load_coefficients(half h, const span_coefficients& c) { return fails() ? status::device_error : inner_.load_coefficients(h, c); }
-  status load_words(half h, int first, const uint64_t* words, int count) { return fails() ? status::device_error : inner_.load_words(h, first, words, count); }
+  status load_words(half h, int first, const uint64_t* words, int count) {
+    return fails() ? status::device_error : inner_.load_words(h, first, words, count);
+  }
   status start(half h, span_mask mask) { return fails() ? status::device_error : inner_.start(h, mask); }
   status take(half h, span_pixels& out) { return fails() ? status::device_error : inner_.take(h, out); }
   void mark(event) {}

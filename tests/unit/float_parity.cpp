@@ -115,7 +115,8 @@ SPANTEX_CASE(a_small_machine_is_told_apart) {
 }  // namespace
 
 int main() {
-  const CMUnitTest tests[] = {cmocka_unit_test(photographic_map), cmocka_unit_test(brick_map), cmocka_unit_test(float_sampler_is_the_known_one),
+  const CMUnitTest tests[] = {cmocka_unit_test(photographic_map), cmocka_unit_test(brick_map),
+                              cmocka_unit_test(float_sampler_is_the_known_one),
                               cmocka_unit_test(a_small_machine_is_told_apart)};
   return run_suite("float_parity", tests);
 }

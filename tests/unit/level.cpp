@@ -38,7 +38,8 @@ struct level_statistics {
   real worst = 0;
   void print(const char* what) const {
     std::printf("# %s: %lld pixels (%lld between the ends, %lld about their own centre), worst 1/%.1Lf level\n", what,
-                static_cast<long long>(pixels), static_cast<long long>(inside), static_cast<long long>(pixel_mode), worst == 0 ? 0 : 1 / worst);
+                static_cast<long long>(pixels), static_cast<long long>(inside), static_cast<long long>(pixel_mode),
+                worst == 0 ? 0 : 1 / worst);
   }
 };
 

@@ -58,7 +58,8 @@ void check_box(const texture_view& t, const placed& p, bool coarse) {
     for (int32_t x = p.box.u0; x <= p.box.u1; ++x) {
       const local_position at{x & (side - 1), y & (side - 1)};
       for (int c = 0; c < channel_count; ++c) {
-        const fetched f = coarse ? loaded<Side>.memory.fetch(c, {0, 0}, at, no_observer{}) : loaded<Side>.memory.fetch(c, at, {0, 0}, no_observer{});
+        const local_position none{0, 0};
+        const fetched f = loaded<Side>.memory.fetch(c, coarse ? none : at, coarse ? at : none, no_observer{});
         for (int k = 0; k < 4; ++k) {
           const int32_t u = x + (k & 1), v = y + (k >> 1);
           if (u > p.box.u1 || v > p.box.v1) continue;

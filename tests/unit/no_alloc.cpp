@@ -22,7 +22,8 @@ template <profile P>
 device<P> devices;
 
 status draw_polygons(auto& r, const texture_view& t, filter kind) {
-  const vertex floor[4] = {{-9 * one, one, -2 * one, 0, 0}, {9 * one, one, -2 * one, 200 * one, 0}, {9 * one, one, 20 * one, 200 * one, 300 * one}, {-9 * one, one, 20 * one, 0, 300 * one}};
+  const vertex floor[4] = {{-9 * one, one, -2 * one, 0, 0}, {9 * one, one, -2 * one, 200 * one, 0},
+                           {9 * one, one, 20 * one, 200 * one, 300 * one}, {-9 * one, one, 20 * one, 0, 300 * one}};
   const vertex wall[3] = {{-one, -one, 3 * one, 0, 0}, {2 * one, -one, 4 * one, 90 * one, 0}, {0, 2 * one, 2 * one, 0, 90 * one}};
   polygon p{};
   SPANTEX_TRY(make_polygon(floor, 4, camera, {0, 0, width, height}, p));

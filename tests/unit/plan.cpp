@@ -40,7 +40,9 @@ uint32_t channel_of(rgba8 c, int k) { return k == 0 ? c.r : k == 1 ? c.g : k == 
 
 // One level of one channel at a position.
 partial_colour whole_map_blend(const profile& q, const texture_view& t, filter kind, int level, const snapped_position& p, int channel) {
-  const auto texel = [&](int x, int y) { return channel_of(t.texel(level, t.wrapped_u(p.u + x, level), t.wrapped_v(p.v + y, level)), channel); };
+  const auto texel = [&](int x, int y) {
+    return channel_of(t.texel(level, t.wrapped_u(p.u + x, level), t.wrapped_v(p.v + y, level)), channel);
+  };
   const texels2x2 four{texel(0, 0), texel(1, 0), texel(0, 1), texel(1, 1)};
   return uses_three_points(kind) ? three_point(four, p.fraction, q) : four_point(four, p.fraction, q);
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Planes from a matrix, from KT88's N, d, U, V, P0 and angles of view, and from three vertices: each against exact rational evaluation
 // of what it was given, and against one another on the same geometry.
+#include <tests/floor_view.hpp>
 #include <tests/support.hpp>
 
 #include <cmath>
@@ -10,7 +11,6 @@ using namespace spantex::sim;
 
 namespace {
 
-using real = long double;
 constexpr int32_t one = 1 << 16;
 
 // n/w exactly, as a fraction; the comparison |Nu/W - n/w| <= 2^-bits is by cross-multiplication.
@@ -110,7 +110,8 @@ SPANTEX_CASE(values_stay_within_their_widths_over_the_region) {
     const auto slope = [&] { return shift_left(wide(random.any_magnitude(62)), int(random.next() % 49)); };
     const auto offset = [&] { return shift_left(wide(random.any_magnitude(62)), int(random.next() % 61)); };
     plane p{};
-    if (make_plane({slope(), slope(), offset(), slope(), slope(), offset(), slope(), slope(), offset()}, region, p) != status::ok) continue;
+    const homography m{slope(), slope(), offset(), slope(), slope(), offset(), slope(), slope(), offset()};
+    if (make_plane(m, region, p) != status::ok) continue;
     constexpr int128 carry = 1 << 13;
     for (const int32_t hx : {2 * region.x0 - 15, 2 * region.x1 + 15})
       for (const int32_t hy : {2 * region.y0 - 15, 2 * region.y1 + 15}) {
@@ -134,55 +135,13 @@ SPANTEX_CASE(what_cannot_be_seen_is_degenerate) {
 SPANTEX_CASE(regions_that_leave_the_screen_are_refused) {
   plane p{};
   const homography m = sample_homography(0);
-  for (const rectangle bad : {rectangle{0, 0, 0, 10}, {0, 0, 10, 0}, {5, 5, 4, 9}, {-1, 0, 10, 10}, {0, -8, 10, 10}, {0, 0, 4097, 10}, {0, 0, 10, 4097}})
-    SPANTEX_ASSERT_STATUS(make_plane(m, bad, p), bad_size);
+  constexpr rectangle bad[] = {{0, 0, 0, 10}, {0, 0, 10, 0}, {5, 5, 4, 9}, {-1, 0, 10, 10},
+                               {0, -8, 10, 10}, {0, 0, 4097, 10}, {0, 0, 10, 4097}};
+  for (const rectangle& r : bad) SPANTEX_ASSERT_STATUS(make_plane(m, r, p), bad_size);
   SPANTEX_ASSERT_OK(make_plane(m, {0, 0, 4096, 4096}, p));
 }
 
 // --- KT88 ------------------------------------------------------------------------------------------------------
-
-namespace {
-
-struct double_vector { real x, y, z; };
-real dot(double_vector a, double_vector b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-
-double_vector value(const vector3& a, int bits) {
-  const real unit = std::ldexp(real(1), -bits);
-  return {a.x * unit, a.y * unit, a.z * unit};
-}
-
-// 40 x 30 degrees of view at 640 x 480.
-constexpr real pi = 3.14159265358979323846L;
-view make_view(int32_t width, int32_t height) {
-  const auto step = [](real degrees, int32_t px) { return uint32_t(std::ldexp(2 / real(px) * std::tan(degrees / 2 * pi / 180), 32) + 0.5L); };
-  return {step(40, width), step(30, height), width, height};
-}
-
-// A floor seen from a height of 1, pitched down and turned; `texels` a unit of length.
-kt88_plane make_floor(real pitch_degrees, real turn_degrees, real texels, int32_t d_sign) {
-  const real a = pitch_degrees * pi / 180, b = turn_degrees * pi / 180;
-  const double_vector n{0, std::cos(a), std::sin(a)};                                         // y down, towards the floor
-  const double_vector e1{1, 0, 0}, e2{0, -std::sin(a), std::cos(a)};
-  const double_vector u{std::cos(b) * e1.x + std::sin(b) * e2.x, std::sin(b) * e2.y, std::sin(b) * e2.z};
-  const double_vector v{-std::sin(b) * e1.x, std::cos(b) * e2.y, std::cos(b) * e2.z};
-  const auto raw = [](double_vector w, real scale, int bits) {
-    const auto r = [&](real x) { return int32_t(std::floor(std::ldexp(x * scale, bits) + 0.5L)); };
-    return vector3{r(w.x), r(w.y), r(w.z)};
-  };
-  const real s = d_sign > 0 ? -1 : 1;  // N.P + d = 0 with P = n on the floor: d = -N.n
-  return {raw(n, s, 30), d_sign * one, raw(u, texels, 16), raw(v, texels, 16), raw(n, 1, 16), 100 * one + 321, 50 * one + 77};
-}
-
-// u, v where the ray through (x, y) meets the plane, from the same rounded numbers, by intersecting: P = r Z, Z = -d / (N.r).
-struct texture_point { real u, v, z; };
-texture_point intersect(const kt88_plane& q, const view& s, real x, real y) {
-  const double_vector r{std::ldexp(real(s.step_x), -32) * (x - s.width_px / 2.0L), std::ldexp(real(s.step_y), -32) * (y - s.height_px / 2.0L), 1};
-  const real z = -std::ldexp(real(q.d), -16) / dot(value(q.normal, 30), r);
-  const double_vector anchor = value(q.anchor, 16), p{r.x * z - anchor.x, r.y * z - anchor.y, z - anchor.z};
-  return {dot(p, value(q.axis_u, 16)) + std::ldexp(real(q.u0), -16), dot(p, value(q.axis_v, 16)) + std::ldexp(real(q.v0), -16), z};
-}
-
-}  // namespace
 
 // A point P0 + s U + t V of the plane needs N.U = N.V = 0 and N.P0 = -d; the rounded numbers keep that to 2^-16 only, and KT88's formula
 // differs from the intersection by that times the distance: compare where both mean the same, at a tolerance of 2^-16 |P| texels a unit.
@@ -258,8 +217,8 @@ SPANTEX_CASE(kt88_levels_follow_the_formula_of_the_major_axis) {
       SPANTEX_ASSERT_OK(plan_span(prof, what, sy + 7, sy, front_mask(p, sy + 7, sy), [&](span_job& job) {
         for (span_mask m = job.mask; m != 0; m &= m - 1) {
           const int k = __builtin_ctzll(m), px = (sy + 7) * 8 + k % 8, py = sy * 8 + k / 8;
-          const double_vector r{std::ldexp(real(s.step_x), -32) * (px + 0.5L - 320), std::ldexp(real(s.step_y), -32) * (py + 0.5L - 240), 1};
-          const real want = std::log2(texels * 2 * delta * d) - 2 * std::log2(std::fabs(dot(value(q.normal, 30), r)));
+          const real w = dot(value(q.normal, 30), ray(s, px + 0.5L, py + 0.5L));
+          const real want = std::log2(texels * 2 * delta * d) - 2 * std::log2(std::fabs(w));
           if (want <= 0 || want >= 12) continue;
           const real got = real(level_at(prof, job.coefficients, k % 8, k / 8)) / 256;
           assert_true(std::fabs(got - want) <= 1.0L / 256);
@@ -312,13 +271,13 @@ SPANTEX_CASE(vertices_are_interpolated_perspective_correctly) {
   random_source random(82);
   const projection camera{200 * one, 200 * one, 64 * one, 64 * one, one / 4};
   int64_t checked = 0, worst = 0;
+  const auto within = [&](int32_t low, int32_t high) { return int32_t(random.between(low, high)); };
   for (int n = 0; n < 5000; ++n) {
     vertex v[3];
     homogeneous_point h[3];
     int32_t us[3], vs[3];
     for (int k = 0; k < 3; ++k) {
-      v[k] = {int32_t(random.between(-2 * one, 2 * one)), int32_t(random.between(-2 * one, 2 * one)), int32_t(random.between(one / 2, 5 * one)),
-              int32_t(random.between(0, 512 * one)), int32_t(random.between(0, 512 * one))};
+      v[k] = {within(-2 * one, 2 * one), within(-2 * one, 2 * one), within(one / 2, 5 * one), within(0, 512 * one), within(0, 512 * one)};
       h[k] = project(v[k], camera);
       us[k] = v[k].u;
       vs[k] = v[k].v;
@@ -326,13 +285,14 @@ SPANTEX_CASE(vertices_are_interpolated_perspective_correctly) {
     polygon p{};
     if (make_polygon(v, 3, camera, {0, 0, 128, 128}, p) != status::ok) continue;
     for (int m = 0; m < 40; ++m) {
-      const int32_t x = int32_t(random.between(p.box.x0, p.box.x1 - 1)), y = int32_t(random.between(p.box.y0, p.box.y1 - 1));
+      const int32_t x = within(p.box.x0, p.box.x1 - 1), y = within(p.box.y0, p.box.y1 - 1);
       if (((coverage(p.edges, x / 8, y / 8) >> (y % 8 * 8 + x % 8)) & 1) == 0) continue;
       const int32_t hx = 2 * x + 1, hy = 2 * y + 1;
       const int64_t w = p.map.w_at(hx, hy);
       assert_true(w > 0);
       for (const bool second : {false, true}) {
-        const int64_t error = distance_24(second ? p.map.v_at(hx, hy) : p.map.u_at(hx, hy), w, vertex_fraction(h, second ? vs : us, hx, hy));
+        const int64_t n_at = second ? p.map.v_at(hx, hy) : p.map.u_at(hx, hy);
+        const int64_t error = distance_24(n_at, w, vertex_fraction(h, second ? vs : us, hx, hy));
         worst = error > worst ? error : worst;
         ++checked;
       }
@@ -358,9 +318,9 @@ SPANTEX_CASE(three_ways_to_the_same_plane_agree) {
     const real corner[3][2] = {{0, 480}, {640, 480}, {320, 300}};
     for (int k = 0; k < 3; ++k) {
       const texture_point t = intersect(q, s, corner[k][0], corner[k][1]);
-      const real rx = std::ldexp(real(s.step_x), -32) * (corner[k][0] - 320), ry = std::ldexp(real(s.step_y), -32) * (corner[k][1] - 240);
+      const double_vector r = ray(s, corner[k][0], corner[k][1]);
       const auto raw = [](real x) { return int32_t(std::floor(x * one + 0.5L)); };
-      v[k] = {raw(rx * t.z), raw(ry * t.z), raw(t.z), raw(t.u), raw(t.v)};
+      v[k] = {raw(r.x * t.z), raw(r.y * t.z), raw(t.z), raw(t.u), raw(t.v)};
     }
     polygon by_vertices{};
     SPANTEX_ASSERT_OK(make_polygon(v, 3, camera, {0, 0, 640, 480}, by_vertices));

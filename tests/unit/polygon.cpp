@@ -26,7 +26,10 @@ template <class Visit>
 void for_covered(const polygon& p, Visit visit) {
   for (int32_t sy = 0; sy < screen / 8; ++sy)
     for (int32_t sx = 0; sx < screen / 8; ++sx)
-      for (span_mask m = polygon_mask(p, sx, sy); m != 0; m &= m - 1) visit(sx * 8 + __builtin_ctzll(m) % 8, sy * 8 + __builtin_ctzll(m) / 8);
+      for (span_mask m = polygon_mask(p, sx, sy); m != 0; m &= m - 1) {
+        const int k = __builtin_ctzll(m);
+        visit(sx * 8 + k % 8, sy * 8 + k / 8);
+      }
 }
 
 // Counts a polygon's pixels; every one of them must be in front of the viewer.
@@ -74,10 +77,14 @@ void check_floor(int cells, int32_t height, int32_t slope_256, bool quads) {
   int inside = 0;
   for (int32_t y = 0; y < screen; ++y)
     for (int32_t x = 0; x < screen; ++x) {
-      if (counted.at[y][x] > 1) fail_msg("(%d, %d) drawn %d times: %d cells, height %d, slope %d", int(x), int(y), counted.at[y][x], cells, int(height), int(slope_256));
+      const int times = counted.at[y][x];
+      const auto wrong = [&](const char* what) {
+        fail_msg("(%d, %d) %s: %d cells, height %d, slope %d", int(x), int(y), what, cells, int(height), int(slope_256));
+      };
+      if (times > 1) wrong("drawn twice");
       if (!is_well_inside(x, y, height, slope_256)) continue;
       ++inside;
-      if (counted.at[y][x] != 1) fail_msg("(%d, %d) not drawn: %d cells, height %d, slope %d", int(x), int(y), cells, int(height), int(slope_256));
+      if (times != 1) wrong("not drawn");
     }
   assert_true(inside > 1000);
 }
@@ -125,7 +132,8 @@ SPANTEX_CASE(both_directions_round_a_polygon_cover_the_same_pixels) {
   random_source random(71);
   static pixel_counts first;
   for (int n = 0; n < 500; ++n) {
-    const auto v = [&] { return vertex{int32_t(random.between(-3 * one, 3 * one)), int32_t(random.between(-3 * one, 3 * one)), int32_t(random.between(-one, 4 * one)), 0, 0}; };
+    const auto within = [&](int32_t low, int32_t high) { return int32_t(random.between(low, high)); };
+    const auto v = [&] { return vertex{within(-3 * one, 3 * one), within(-3 * one, 3 * one), within(-one, 4 * one), 0, 0}; };
     const vertex a = v(), b = v(), c = v();
     counted.clear();
     count_triangle(a, b, c);
@@ -299,7 +307,8 @@ SPANTEX_CASE(the_nearer_polygon_wins_in_either_order) {
 }
 
 SPANTEX_CASE(intersecting_polygons_part_along_their_line) {
-  const texture_view map_a = constant_map(8, 8, red).view(wrap::repeat, wrap::repeat), map_b = constant_map(8, 8, blue).view(wrap::repeat, wrap::repeat);
+  const texture_view map_a = constant_map(8, 8, red).view(wrap::repeat, wrap::repeat);
+  const texture_view map_b = constant_map(8, 8, blue).view(wrap::repeat, wrap::repeat);
   random_source random(75);
   int64_t reds = 0, blues = 0;
   for (int n = 0; n < 40; ++n) {

@@ -11,8 +11,9 @@ using unsigned_big = uint128;
 static big value(wide a) { return to_int128(a); }
 static wide of(big x) { return to_wide(x); }
 
-static const int64_t hard_words[] = {0, 1, -1, 2, -2, 3, 0xFFFF, 0x10000, 0x7FFFFFFF, 0x80000000ll, 0xFFFFFFFFll, 0x100000000ll, -0x80000000ll,
-                                     -0xFFFFFFFFll, -0x100000000ll, INT64_MAX, -INT64_MAX, INT64_MAX - 1, 0x5555555555555555ll, -0x5555555555555555ll};
+static const int64_t hard_words[] = {0, 1, -1, 2, -2, 3, 0xFFFF, 0x10000, 0x7FFFFFFF, 0x80000000ll, 0xFFFFFFFFll, 0x100000000ll,
+                                     -0x80000000ll, -0xFFFFFFFFll, -0x100000000ll, INT64_MAX, -INT64_MAX, INT64_MAX - 1,
+                                     0x5555555555555555ll, -0x5555555555555555ll};
 
 // Every pair of hard words, then random ones of every magnitude.
 template <class Check>

@@ -1,0 +1,253 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""The command's contract: help, statistics, equal bytes from both engines and any number of threads, wrap modes, odd sizes of map and
+picture, formats, turntables, comparison, traces."""
+import itertools
+import json
+import os
+import pathlib
+import pty
+import re
+import subprocess
+import sys
+import tempfile
+
+sys.dont_write_bytecode = True
+from spantex_command import BINARY, FACING, QUAD_WITH_UV, png_bytes, read_png, run  # noqa: E402
+
+FILTERS = ["nearest", "bilinear", "three-point", "mip-bilinear", "trilinear", "trilinear3"]
+PROFILES = ["seed", "compact", "default", "exact"]
+WRAPS = ["repeat", "clamp", "mirror"]
+IDENTITY = "1,0,0,0,1,0,0,0,1"
+TILTED = "0.621854806,-0.142806403,-12.2821072,-0.226336639,-0.392357368,585.413164,0,0.000855254125,0.43752662"
+HORIZON = "0.21,-0.05,-31.7,-0.08,0.13,103.9,0.0002,0.0041,-0.171"
+
+
+def done(*arguments, cwd):
+    result = run(*arguments, cwd=cwd)
+    assert result.returncode == 0, f"spantex {' '.join(map(str, arguments))}: exit {result.returncode}: {result.stderr}"
+    assert result.stderr == "", f"spantex {' '.join(map(str, arguments))}: stderr in a pipe: {result.stderr!r}"
+    return result.stdout
+
+
+def plane(folder, out, texture="map.png", size="64x48", matrix=FACING, **more):
+    extra = [part for name, value in more.items() for part in ("--" + name, value)]
+    done("plane", "--texture", texture, "--size", size, "--matrix", matrix, "--out", out, *extra, cwd=folder)
+    return (folder / out).read_bytes()
+
+
+def test_help(folder):
+    for sub in ([], ["plane"], ["render"], ["compare"], ["trace"], ["demo"]):
+        text = done(*sub, "--help", cwd=folder)
+        assert "--help" in text, sub
+    for option in "--texture --size --matrix --out --filter --profile --wrap --engine --prefilter --threads --repeat --stats".split():
+        assert option in done("plane", "--help", cwd=folder), option
+
+
+def test_stats(folder):
+    common = ("ns_per_pixel spans_total spans_skipped words_loaded loads_skipped divides second_levels_skipped "
+              "threads profile filter").split()
+    plane(folder, "o.png", stats="s.json", filter="trilinear", profile="exact", repeat="3", threads="2")
+    stats = json.loads((folder / "s.json").read_text())
+    missing = [k for k in common if k not in stats]
+    assert not missing, missing
+    assert "cycles" not in stats
+    assert (stats["profile"], stats["filter"], stats["threads"], stats["spans_total"]) == ("exact", "trilinear", 2, 48)
+    assert stats["ns_per_pixel"] > 0 and stats["words_loaded"] > 0 and set(stats["spans_skipped"]) == {"empty", "behind", "hidden"}
+    plane(folder, "o.png", stats="s.json", engine="sim")
+    stats = json.loads((folder / "s.json").read_text())
+    assert all(k in stats for k in common + ["cycles", "stalls", "bank_conflicts"]), stats
+    assert stats["bank_conflicts"] == 0 and stats["cycles"] >= 64 * 48
+    done("render", "fig8", "--size", "64x48", "--out", "o.png", "--stats", "s.json", "--psnr", cwd=folder)
+    stats = json.loads((folder / "s.json").read_text())
+    assert 15 < stats["psnr_db"] < 60 and stats["spans_skipped"]["hidden"] + stats["spans_skipped"]["empty"] > 0
+
+
+def test_engines_agree(folder):
+    for filter_name, profile, wrap in itertools.product(FILTERS, PROFILES, WRAPS):
+        how = dict(filter=filter_name, profile=profile, wrap=wrap, matrix=TILTED)
+        assert plane(folder, "a.png", **how) == plane(folder, "b.png", engine="sim", **how), how
+    for scene, profile in itertools.product(("fig6", "fig7", "fig8", "fig9"), PROFILES):
+        for engine in ("direct", "sim"):
+            done("render", scene, "--size", "96x72", "--profile", profile, "--engine", engine, "--out", f"{engine}.png", cwd=folder)
+        assert (folder / "direct.png").read_bytes() == (folder / "sim.png").read_bytes(), (scene, profile)
+
+
+def test_threads_agree(folder):
+    for profile, matrix in itertools.product(PROFILES, (TILTED, HORIZON)):
+        pictures = {plane(folder, "o.png", size="130x97", matrix=matrix, profile=profile, threads=str(n)) for n in (1, 2, 3, 40)}
+        assert len(pictures) == 1, (profile, matrix)
+    pictures = set()
+    for n in (1, 2, 3):
+        done("render", "fig9", "--size", "130x97", "--threads", n, "--out", "o.png", cwd=folder)
+        pictures.add((folder / "o.png").read_bytes())
+    assert len(pictures) == 1
+
+
+def texel(x, y):
+    return [(37 * x + 91 * y) % 256, (50 + x * y) % 256, (x * 11) % 256, 255]
+
+
+def test_wraps_are_exact(folder):
+    """The identity at nearest shows texels as they are, beyond the map's edge too."""
+    width, height, shift = 24, 20, 7
+    (folder / "w.png").write_bytes(png_bytes(width, height, pixel=texel))
+    index = {
+        "repeat": lambda k, n: k % n,
+        "clamp": lambda k, n: min(max(k, 0), n - 1),
+        "mirror": lambda k, n: min(k % (2 * n), 2 * n - 1 - k % (2 * n)),
+    }
+    for wrap in WRAPS:
+        for profile in PROFILES:
+            plane(folder, "o.png", "w.png", "64x56", f"1,0,-{shift},0,1,-{shift},0,0,1", wrap=wrap, filter="nearest", profile=profile)
+            w, h, rows = read_png(folder / "o.png")
+            assert (w, h) == (64, 56)
+            for y, x in itertools.product(range(h), range(w)):
+                wanted = texel(index[wrap](x - shift, width), index[wrap](y - shift, height))
+                assert list(rows[y][4 * x:4 * x + 4]) == wanted, (wrap, profile, x, y)
+
+
+def test_sizes(folder):
+    for size in ("1x1", "641x479", "4096x8", "3x4096", "7x9"):
+        for threads in ("1", "2"):
+            plane(folder, "o.png", size=size, matrix=TILTED, filter="trilinear", threads=threads)
+        header = (folder / "o.png").read_bytes()[16:24]
+        assert tuple(map(int, size.split("x"))) == (int.from_bytes(header[:4], "big"), int.from_bytes(header[4:], "big"))
+    for width, height in ((1, 1), (1, 64), (100, 37), (33, 65), (255, 3), (4096, 2)):
+        (folder / "n.png").write_bytes(png_bytes(width, height))
+        for prefilter, wrap in itertools.product(("box", "triangle"), WRAPS):
+            how = dict(texture="n.png", matrix=TILTED, filter="trilinear", prefilter=prefilter, wrap=wrap, profile="exact")
+            assert plane(folder, "a.png", **how) == plane(folder, "b.png", engine="sim", **how), (width, height, how)
+
+
+def test_constant_maps_stay_constant(folder):
+    for width, height in ((64, 64), (37, 23), (1, 1)):
+        (folder / "c.png").write_bytes(png_bytes(width, height, pixel=lambda x, y: [201, 3, 77, 255]))
+        for filter_name, prefilter in itertools.product(FILTERS, ("box", "triangle")):
+            plane(folder, "o.png", "c.png", matrix=TILTED, filter=filter_name, prefilter=prefilter)
+            _, _, rows = read_png(folder / "o.png")
+            assert all(row == bytes([201, 3, 77, 255]) * 64 for row in rows), (width, filter_name, prefilter)
+
+
+def test_formats(folder):
+    """Gray, gray with alpha, RGB and RGBA become RGBA."""
+    expand = {0: lambda p: p * 3 + [255], 4: lambda p: p[:1] * 3 + p[1:], 2: lambda p: p + [255], 6: lambda p: p}
+    count = {0: 1, 4: 2, 2: 3, 6: 4}
+    for kind, to_rgba in expand.items():
+        (folder / "f.png").write_bytes(png_bytes(16, 16, kind, lambda x, y: texel(x, y)[:count[kind] - 1] + [9 * x + y]))
+        plane(folder, "o.png", "f.png", "16x16", IDENTITY, filter="nearest")
+        _, _, rows = read_png(folder / "o.png")
+        for y, x in itertools.product(range(16), range(16)):
+            assert list(rows[y][4 * x:4 * x + 4]) == to_rgba(texel(x, y)[:count[kind] - 1] + [9 * x + y]), (kind, x, y)
+
+
+def test_background_and_planes_behind(folder):
+    plane(folder, "o.png", matrix="1,0,0,0,1,0,0,0,-1", background="102030")
+    _, _, rows = read_png(folder / "o.png")
+    assert all(row == bytes([0x10, 0x20, 0x30, 255]) * 64 for row in rows)
+    plane(folder, "o.png", matrix="1,0,0,0,1,0,0,1,-24", background="102030", filter="nearest")
+    _, _, rows = read_png(folder / "o.png")
+    assert all(row == bytes([0x10, 0x20, 0x30, 255]) * 64 for row in rows[:23]) and rows[40] != rows[0]
+
+
+def test_scaling_the_matrix_changes_nothing(folder):
+    numbers = [float(x) for x in TILTED.split(",")]
+    pictures = {plane(folder, "o.png", matrix=",".join(repr(x * k) for x in numbers)) for k in (1, 2.0**-200, 2.0**200, 2.0**-20)}
+    assert len(pictures) == 1
+
+
+def test_models(folder):
+    (folder / "m.obj").write_text(QUAD_WITH_UV)
+    (folder / "m.mtl").write_text("newmtl m\nKd 1 1 1\nmap_Kd .\\Sub\\MAP4.png\n")
+    (folder / "sub").mkdir()
+    corners = {(0, 0): [255, 0, 0], (1, 0): [0, 255, 0], (0, 1): [0, 0, 255], (1, 1): [255, 255, 255]}
+    (folder / "sub" / "map4.png").write_bytes(png_bytes(64, 64, 2, lambda x, y: corners[x // 32, y // 32]))
+    done("render", "m.obj", "--size", "80x80", "--camera", "0,0,0", "--filter", "nearest", "--out", "o.png", cwd=folder)
+    _, _, rows = read_png(folder / "o.png")
+    at = lambda x, y: list(rows[y][4 * x:4 * x + 3])  # noqa: E731
+    # Seen from +z with y up, the picture is the right way up: its top left is the map's top left.
+    assert [at(28, 28), at(52, 28), at(28, 52), at(52, 52)] == [corners[0, 0], corners[1, 0], corners[0, 1], corners[1, 1]]
+    # Both triangles of the quad: no hole and no crack along the diagonal.
+    inside = [at(x, y) for y in range(14, 66) for x in range(14, 66)]
+    assert [0, 0, 0] not in inside
+    (folder / "m.mtl").write_text("newmtl m\nKd 0.2 0.4 0.6\n")
+    done("render", "m.obj", "--size", "80x80", "--camera", "0,0,0", "--out", "o.png", cwd=folder)
+    _, _, rows = read_png(folder / "o.png")
+    assert at(40, 40) == [51, 102, 153]
+
+
+def test_turntable(folder):
+    done("render", "fig8", "--size", "40x30", "--frames", "3", "--out", "t-%04d.png", cwd=folder)
+    frames = [(folder / f"t-{k:04d}.png").read_bytes() for k in range(3)]
+    assert len(set(frames)) == 3 and not (folder / "t-0003.png").exists()
+
+
+def test_outputs_replace_and_follow_links(folder):
+    (folder / "target.png").write_bytes(b"old")
+    os.symlink("target.png", folder / "link.png")
+    data = plane(folder, "link.png")
+    assert (folder / "link.png").is_symlink() and (folder / "target.png").read_bytes() == data
+    assert not [p for p in folder.iterdir() if p.name.endswith(".tmp")]
+    done("plane", "--texture", "map.png", "--size", "8x8", "--matrix", IDENTITY, "--out", "/dev/null", cwd=folder)
+    assert not pathlib.Path("/dev/null").is_file()
+
+
+def test_compare(folder):
+    (folder / "a.png").write_bytes(png_bytes(20, 10, 2, lambda x, y: [100, 100, 100]))
+    (folder / "b.png").write_bytes(png_bytes(20, 10, 2, lambda x, y: [110 if (x, y) == (3, 4) else 100, 100, 100]))
+    text = done("compare", "a.png", "b.png", "--diff", "d.png", cwd=folder)
+    # one channel of one pixel of 200 is off by 10: 10 log10(255^2 * 600 / 100)
+    assert re.search(r"^PSNR +55\.91 dB$", text, re.M) and re.search(r"^worst error +10$", text, re.M), text
+    assert re.search(r"^differing pixels +1 of 200$", text, re.M), text
+    _, _, rows = read_png(folder / "d.png")
+    assert list(rows[4][12:16]) == [10, 0, 0, 255] and rows[0] == bytes([0, 0, 0, 255]) * 20
+    text = done("compare", "a.png", "a.png", cwd=folder)
+    assert re.search(r"^PSNR +inf dB$", text, re.M) and re.search(r"^SSIM +1\.000000$", text, re.M), text
+
+
+def test_trace(folder):
+    done("trace", "tilted", "--size", "64x48", "--texture", "map.png", "--vcd", "t.vcd", "--json", "t.json", "--out", "t.png", cwd=folder)
+    assert "$enddefinitions" in (folder / "t.vcd").read_text()
+    events = json.loads((folder / "t.json").read_text())
+    events = events["traceEvents"] if isinstance(events, dict) else events
+    assert len(events) > 48
+    done("render", "tilted", "--size", "64x48", "--texture", "map.png", "--out", "r.png", cwd=folder)
+    assert (folder / "t.png").read_bytes() == (folder / "r.png").read_bytes()
+    done("trace", "--matrix", TILTED, "--texture", "map.png", "--size", "64x48", "--vcd", "m.vcd", "--single-half", cwd=folder)
+
+
+def test_progress_only_on_a_terminal(folder):
+    arguments = ["plane", "--texture", "map.png", "--size", "640x480", "--matrix", TILTED, "--out", "o.png", "--repeat", "40"]
+    parent, child = pty.openpty()
+    process = subprocess.Popen([str(BINARY), *arguments], cwd=folder, stderr=child)
+    os.close(child)
+    shown = b""
+    try:
+        while block := os.read(parent, 65536):
+            shown += block
+    except OSError:
+        pass
+    assert process.wait() == 0
+    assert b"%" in shown and shown.rstrip().endswith(b"\r\x1b[K".rstrip()), shown[-80:]
+    done(*arguments, cwd=folder)
+
+
+def main():
+    failed = 0
+    for name, test in sorted(globals().items()):
+        if not name.startswith("test_"):
+            continue
+        with tempfile.TemporaryDirectory() as folder:
+            folder = pathlib.Path(folder)
+            (folder / "map.png").write_bytes(png_bytes(128, 128))
+            try:
+                test(folder)
+                print(f"ok    {name}")
+            except AssertionError as error:
+                failed += 1
+                print(f"FAIL  {name}: {str(error)[:600]}")
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

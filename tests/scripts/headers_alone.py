@@ -1,0 +1,49 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Compiles each header of the device library, and of the HAL's device side, alone: g++, clang++ and, where installed, arm-none-eabi-g++
+for Cortex-M0+ as freestanding code. Any warning fails. Prints the headers that need another one first."""
+import pathlib
+import shutil
+import subprocess
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
+COMMON = ["-std=c++20", "-fsyntax-only", "-Wall", "-Wextra", "-Wpedantic", "-Wshadow", "-Wconversion", "-Wno-sign-conversion", "-Werror",
+          "-I.", "-Ifirmware", "-x", "c++", "-"]
+FREESTANDING = ["-ffreestanding", "-fno-exceptions", "-fno-rtti", "-fno-threadsafe-statics"]
+COMPILERS = {
+    "g++": FREESTANDING,
+    "clang++": FREESTANDING,
+    "arm-none-eabi-g++": ["-mthumb", "-mcpu=cortex-m0plus", *FREESTANDING],
+}
+
+
+def headers():
+    found = [f"spantex/{p.name}" for p in sorted((ROOT / "firmware/spantex").glob("*.hpp"))]
+    return found + ["hal/engine.hpp", "hal/direct_engine.hpp"]
+
+
+def compiles(compiler, flags, source):
+    done = subprocess.run([compiler, *flags, *COMMON], input=source, capture_output=True, text=True, cwd=ROOT)
+    return done.returncode == 0, done.stderr
+
+
+def main():
+    failed = 0
+    for compiler, flags in COMPILERS.items():
+        if not shutil.which(compiler):
+            print(f"{compiler}: not installed, skipped")
+            continue
+        if compiles(compiler, flags, "int unfinished(\n")[0]:
+            sys.exit(f"{compiler} accepts anything: this check proves nothing")
+        for header in headers():
+            good, text = compiles(compiler, flags, f"#include <{header}>\n")
+            failed += not good
+            if not good:
+                print(f"{compiler}: {header}", *text.splitlines()[:6], sep="\n  ")
+        print(f"{compiler}: {len(headers())} headers")
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

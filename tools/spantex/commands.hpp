@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+// The subcommands. Each adds itself to the application; its work runs when the command line has been parsed. Failures throw
+// sim::input_error.
+#pragma once
+#include <optional>
+
+#include <CLI/CLI.hpp>
+
+#include <sim/draw_host.hpp>
+
+namespace spantex::tool {
+
+void add_plane_command(CLI::App& app);
+void add_render_command(CLI::App& app);
+void add_compare_command(CLI::App& app);
+void add_trace_command(CLI::App& app);
+void add_stress_command(CLI::App& app);
+void add_demo_command(CLI::App& app);
+
+// What --stats writes.
+std::string stats_json(const sim::draw_result& r, const sim::draw_options& o, std::optional<double> psnr_db);
+
+// Draws with a progress bar.
+sim::draw_result draw_with_bar(const sim::scene& s, sim::draw_options o);
+// PSNR against the reference, with a progress bar.
+double reference_psnr_db(const sim::scene& s, const sim::image& picture, rgba8 background);
+
+}  // namespace spantex::tool

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+// Drawing and judging with a progress bar, and what is told about it as JSON.
+#include <math.h>
+
+#include <nlohmann/json.hpp>
+
+#include <sim/quality.hpp>
+#include <sim/reference.hpp>
+#include "commands.hpp"
+#include "progress.hpp"
+
+namespace spantex::tool {
+
+std::string stats_json(const sim::draw_result& r, const sim::draw_options& o, std::optional<double> psnr_db) {
+  const draw_counters& w = r.work;
+  nlohmann::ordered_json j;
+  j["profile"] = std::string(sim::name_of(sim::profile_names, o.profile));
+  j["filter"] = std::string(sim::name_of(sim::filter_names, o.kind));
+  j["engine"] = std::string(sim::name_of(sim::engine_names, o.engine));
+  j["threads"] = o.threads;
+  j["repeat"] = o.repeat;
+  j["width"] = r.picture.width_px;
+  j["height"] = r.picture.height_px;
+  j["ns_per_pixel"] = r.ns_per_pixel;
+  j["spans_total"] = w.spans_total;
+  j["spans_skipped"] = {{"empty", w.spans_empty}, {"behind", w.spans_behind}, {"hidden", w.spans_hidden}};
+  j["jobs"] = w.jobs;
+  j["corrected_jobs"] = w.corrected_jobs;
+  j["pixels"] = w.pixels;
+  j["words_loaded"] = w.words_loaded;
+  j["loads_skipped"] = w.loads_skipped;
+  j["divides"] = w.divides;
+  j["second_levels_skipped"] = w.second_levels_skipped;
+  if (o.engine == sim::engine_choice::simulated) {
+    const sim::counters& m = r.machine;
+    j["cycles"] = m.total_cycles;
+    j["stalls"] = m.stall_cycles;
+    j["bank_conflicts"] = m.bank_conflicts;
+    j["load_cycles"] = m.load_cycles;
+    j["hidden_load_cycles"] = m.hidden_load_cycles;
+    j["compute_cycles"] = m.compute_cycles;
+    j["fetches"] = m.fetches;
+  }
+  // Equal pictures have no finite PSNR: null.
+  if (psnr_db) j["psnr_db"] = std::isfinite(*psnr_db) ? nlohmann::ordered_json(*psnr_db) : nlohmann::ordered_json();
+  return j.dump(2) + "\n";
+}
+
+sim::draw_result draw_with_bar(const sim::scene& s, sim::draw_options o) {
+  progress_bar bar("drawing " + s.name, sim::draw_parts(s, o));
+  o.parts_done = bar.callback();
+  return sim::draw(s, o);
+}
+
+double reference_psnr_db(const sim::scene& s, const sim::image& picture, rgba8 background) {
+  progress_bar bar("reference of " + s.name, s.size.height_px);
+  return sim::psnr_db(picture, sim::render_reference(s, background, sim::hardware_threads(), bar.callback()));
+}
+
+}  // namespace spantex::tool

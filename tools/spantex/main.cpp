@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+// The command. Exit code 0 on success, 1 where a check found what it looks for, 2 on bad usage or bad input, with one line on stderr that
+// says what and why.
+#include <stdio.h>
+
+#include <algorithm>
+#include <exception>
+#include <string>
+#include <vector>
+
+#include <sim/file.hpp>
+#include "commands.hpp"
+#include "options.hpp"
+
+namespace {
+
+constexpr int exit_bad_input = 2;
+
+int refuse(std::string message) {
+  std::replace(message.begin(), message.end(), '\n', ' ');
+  fprintf(stderr, "spantex: %s\n", message.c_str());
+  return exit_bad_input;
+}
+
+std::vector<std::string> subcommand_names(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::App* sub : app.get_subcommands([](const CLI::App*) { return true; })) names.push_back(sub->get_name());
+  return names;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Fixed-point texture mapping in spans of 8x8 pixels", "spantex");
+  app.require_subcommand(1);
+  spantex::tool::add_plane_command(app);
+  spantex::tool::add_render_command(app);
+  spantex::tool::add_compare_command(app);
+  spantex::tool::add_trace_command(app);
+  spantex::tool::add_stress_command(app);
+  spantex::tool::add_demo_command(app);
+
+  const std::vector<std::string> names = subcommand_names(app);
+  const std::string first = argc > 1 ? argv[1] : "";
+  const std::string known = " (known: " + spantex::tool::joined(names) + ")";
+  if (first.empty()) return refuse("a subcommand is needed" + known);
+  if (first[0] == '-' && first != "-h" && first != "--help") return refuse("unknown option '" + first + "' before a subcommand" + known);
+  if (first[0] != '-' && std::find(names.begin(), names.end(), first) == names.end())
+    return refuse("unknown subcommand '" + first + "'" + known);
+  try {
+    app.parse(argc, argv);
+    return 0;
+  } catch (const CLI::RuntimeError& e) {  // a subcommand's own verdict, already told
+    return e.get_exit_code();
+  } catch (const CLI::ParseError& e) {
+    return e.get_exit_code() == 0 ? app.exit(e) : refuse(e.what());
+  } catch (const std::exception& e) {
+    return refuse(e.what());
+  }
+}

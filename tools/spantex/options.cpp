@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "options.hpp"
+
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <utility>
+
+#include <sim/model.hpp>
+#include <sim/pattern.hpp>
+
+namespace spantex::tool {
+namespace {
+
+using sim::input_error;
+
+std::vector<std::string> split(const std::string& text, char separator) {
+  std::vector<std::string> parts(1);
+  for (const char c : text) {
+    if (c == separator) parts.emplace_back();
+    else parts.back() += c;
+  }
+  return parts;
+}
+
+bool all_digits(const std::string& s) {
+  return !s.empty() && s.size() <= 9 && std::all_of(s.begin(), s.end(), [](char c) { return c >= '0' && c <= '9'; });
+}
+
+// Determinant after bringing the coefficients to the picture's scale and each row to 1: 0 for a singular matrix, whatever its units.
+double relative_determinant(const sim::matrix& m, sim::screen_size size) {
+  double a[3][3];
+  for (size_t r = 0; r < 3; ++r) {
+    const double row[3] = {m[3 * r] * size.width_px, m[3 * r + 1] * size.height_px, m[3 * r + 2]};
+    const double largest = std::max({fabs(row[0]), fabs(row[1]), fabs(row[2])});
+    if (!(largest > 0)) return 0;
+    for (size_t k = 0; k < 3; ++k) a[r][k] = row[k] / largest;
+  }
+  return a[0][0] * (a[1][1] * a[2][2] - a[1][2] * a[2][1]) - a[0][1] * (a[1][0] * a[2][2] - a[1][2] * a[2][0]) +
+         a[0][2] * (a[1][0] * a[2][1] - a[1][1] * a[2][0]);
+}
+
+// False if points are in front of the viewer but none of them has coordinates that the engine takes.
+bool any_in_range(const sim::matrix& m, sim::screen_size size) {
+  constexpr double limit = 32768;
+  bool any_in_front = false;
+  for (int j = 0; j < size.height_px; ++j)
+    for (int i = 0; i < size.width_px; ++i) {
+      const sim::ideal_position p = sim::position(m, i + 0.5, j + 0.5);
+      if (!(p.w > 0)) continue;
+      if (fabs(p.u) < limit && fabs(p.v) < limit) return true;
+      any_in_front = true;
+    }
+  return !any_in_front;
+}
+
+sim::camera_options camera_of(const subject_options& o) {
+  sim::camera_options c;
+  if (!o.camera.empty()) {
+    const std::vector<double> n = parse_numbers(o.camera, 3, "--camera");
+    c.yaw_degrees = n[0];
+    c.pitch_degrees = n[1];
+    c.distance_radii = n[2];
+    if (n[2] < 0) throw input_error("--camera: distance is negative");
+  }
+  if (o.eye.empty() != o.target.empty()) throw input_error("--eye and --target: give both or none");
+  if (!o.eye.empty()) {
+    const std::vector<double> e = parse_numbers(o.eye, 3, "--eye"), t = parse_numbers(o.target, 3, "--target");
+    c.eye = {e[0], e[1], e[2]};
+    c.target = {t[0], t[1], t[2]};
+  }
+  if (!(o.fov_degrees >= 10 && o.fov_degrees <= 150)) throw input_error("--fov: outside 10..150 degrees");
+  c.vertical_degrees = o.fov_degrees;
+  return c;
+}
+
+}  // namespace
+
+std::string joined(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& w : words) text += (text.empty() ? "" : ", ") + w;
+  return text;
+}
+
+double parse_number(const std::string& text, const std::string& what) {
+  char* end = nullptr;
+  errno = 0;
+  const double value = strtod(text.c_str(), &end);
+  const bool whole = !text.empty() && end == text.c_str() + text.size() && !isspace(static_cast<unsigned char>(text[0]));
+  if (!whole) throw input_error(what + ": '" + text + "' is not a number");
+  if (!std::isfinite(value)) throw input_error(what + ": '" + text + "' is not a finite number");
+  return value;
+}
+
+std::vector<double> parse_numbers(const std::string& text, size_t count, const std::string& what) {
+  const std::vector<std::string> parts = split(text, ',');
+  if (parts.size() != count)
+    throw input_error(what + ": expected " + std::to_string(count) + " numbers separated by commas, got " + std::to_string(parts.size()));
+  std::vector<double> numbers;
+  for (const std::string& p : parts) numbers.push_back(parse_number(p, what));
+  return numbers;
+}
+
+sim::screen_size parse_size(const std::string& text) {
+  const std::vector<std::string> parts = split(text, 'x');
+  const auto side = [&](size_t k) { return atoi(parts[k].c_str()); };
+  const bool good = parts.size() == 2 && all_digits(parts[0]) && all_digits(parts[1]);
+  if (!good || side(0) < 1 || side(1) < 1 || side(0) > max_screen_px || side(1) > max_screen_px)
+    throw input_error("--size: '" + text + "' is not WxH with both in 1.." + std::to_string(max_screen_px));
+  return {side(0), side(1)};
+}
+
+rgba8 parse_colour(const std::string& text) {
+  const bool good = text.size() == 6 && text.find_first_not_of("0123456789abcdefABCDEF") == std::string::npos;
+  if (!good) throw input_error("--background: '" + text + "' is not RRGGBB");
+  const unsigned long value = strtoul(text.c_str(), nullptr, 16);
+  return {uint8_t(value >> 16), uint8_t(value >> 8), uint8_t(value), 255};
+}
+
+sim::matrix parse_matrix(const std::string& text, sim::screen_size size) {
+  if (const auto known = sim::named_plane(text)) return *known;
+  const std::vector<double> numbers = parse_numbers(text, 9, "--matrix");
+  sim::matrix m;
+  std::copy(numbers.begin(), numbers.end(), m.begin());
+  double largest = 0;
+  for (const double x : m) largest = std::max(largest, fabs(x));
+  if (!(largest > 0)) throw input_error("--matrix: singular: every coefficient is zero");
+  for (double& x : m) x /= largest;  // only ratios matter
+  constexpr double smallest_determinant = 1e-12;
+  if (fabs(relative_determinant(m, size)) < smallest_determinant)
+    throw input_error("--matrix: singular: its determinant is zero relative to its coefficients");
+  if (!any_in_range(m, size)) throw input_error("--matrix: overflow: texture coordinates exceed 32768 texels at every pixel");
+  return m;
+}
+
+void drawing_options::add_to(CLI::App& app, bool with_engine) {
+  app.add_option("--filter", filter, list_of(sim::filter_names))->capture_default_str();
+  app.add_option("--profile", profile, list_of(sim::profile_names))->capture_default_str();
+  wrap_given_ = app.add_option("--wrap", wrap, list_of(sim::wrap_names))->capture_default_str();
+  app.add_option("--prefilter", prefilter, list_of(sim::prefilter_names))->capture_default_str();
+  app.add_option("--background", background, "RRGGBB where nothing is drawn")->capture_default_str();
+  if (!with_engine) return;
+  app.add_option("--engine", engine, list_of(sim::engine_names))->capture_default_str();
+  app.add_option("--threads", threads, "threads, each with its own engine")->capture_default_str();
+  app.add_option("--repeat", repeat, "draw so often; times are medians")->capture_default_str();
+}
+
+sim::draw_options drawing_options::resolve() const {
+  constexpr int most_threads = 256, most_repeats = 1000000;
+  if (threads < 1 || threads > most_threads) throw input_error("--threads: outside 1.." + std::to_string(most_threads));
+  if (repeat < 1 || repeat > most_repeats) throw input_error("--repeat: outside 1.." + std::to_string(most_repeats));
+  wrap_mode();
+  level_filter();
+  sim::draw_options o;
+  o.profile = value_of(sim::profile_names, profile, "profile");
+  o.engine = value_of(sim::engine_names, engine, "engine");
+  o.kind = value_of(sim::filter_names, filter, "filter");
+  o.background = parse_colour(background);
+  o.threads = threads;
+  o.repeat = repeat;
+  o.single_half = single_half;
+  return o;
+}
+
+void subject_options::add_to(CLI::App& app, bool with_matrix) {
+  const std::string scenes = "a scene (" + joined(sim::scene_names()) + ") or a model file of any format that assimp reads";
+  CLI::Option* const what = app.add_option("subject", subject, scenes)->type_name("MODEL|SCENE");
+  app.add_option("--texture", texture, "map of a plane, instead of a built-in one");
+  app.add_option("--size", size, "picture size, WxH")->capture_default_str();
+  app.add_option("--camera", camera, "yaw,pitch,distance: degrees, degrees, radii of the model (0: all of it in the picture)");
+  app.add_option("--eye", eye, "x,y,z of the camera, with --target");
+  app.add_option("--target", target, "x,y,z that the camera looks at, with --eye");
+  app.add_option("--fov", fov_degrees, "angle of view of the picture's height, degrees")->capture_default_str();
+  if (with_matrix) app.add_option("--matrix", matrix, "instead of a scene: a plane, A,B,C,D,E,F,G,H,I")->excludes(what);
+  else what->required();
+}
+
+subject_options::loaded::loaded(const subject_options& o, const drawing_options& d) : name_(o.subject), camera_(camera_of(o)) {
+  request_.size = parse_size(o.size);
+  request_.levels = d.level_filter();
+  request_.wrap_u = request_.wrap_v = d.wrap_mode();
+  if (o.matrix.empty() && o.subject.empty()) throw input_error("nothing to draw: name a scene or model, or give --matrix");
+  if (!o.matrix.empty()) matrix_ = parse_matrix(o.matrix, request_.size);
+  if (!o.texture.empty()) request_.texture = sim::load_image(o.texture);
+  if (matrix_ || sim::is_scene_name(name_)) return;
+  std::error_code ignored;
+  if (!std::filesystem::exists(name_, ignored))
+    throw input_error(name_ + ": no such model file or scene (known scenes: " + joined(sim::scene_names()) + ")");
+  sim::model_options wanted{request_.levels, {}, {}};
+  if (d.wrap_given()) wanted.wrap_u = wanted.wrap_v = request_.wrap_u;
+  world_ = sim::load_model(name_, wanted);
+}
+
+sim::scene subject_options::loaded::at(double turn_degrees) const {
+  if (matrix_) {
+    sim::map_list maps;
+    const sim::image picture = request_.texture ? *request_.texture : sim::photographic_pattern(512, 1);
+    maps.emplace_back(picture, request_.levels, request_.wrap_u, request_.wrap_v);
+    sim::scene s{"plane", request_.size, std::make_shared<const sim::map_list>(std::move(maps)), {}};
+    sim::add_plane(s, *matrix_, 0);
+    return s;
+  }
+  if (world_) {
+    sim::camera_options c = camera_;
+    c.yaw_degrees += turn_degrees;
+    return sim::look_at(*world_, c, request_.size);
+  }
+  sim::scene_request turned = request_;
+  turned.turn_degrees = turn_degrees;
+  return sim::make_named_scene(name_, turned);
+}
+
+}  // namespace spantex::tool

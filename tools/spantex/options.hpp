@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the command's subcommands share: options, their parsing, and what they stand for. Bad values throw sim::input_error with one
+// line that names the option or file and the reason.
+#pragma once
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include <sim/draw_host.hpp>
+#include <sim/figures.hpp>
+#include <sim/file.hpp>
+#include <sim/world.hpp>
+
+namespace spantex::tool {
+
+// "a, b, c"
+template <class T, size_t N>
+std::string list_of(const std::array<sim::named<T>, N>& names) {
+  std::string text;
+  for (const auto& n : names) text += (text.empty() ? "" : ", ") + std::string(n.name);
+  return text;
+}
+
+template <class T, size_t N>
+T value_of(const std::array<sim::named<T>, N>& names, const std::string& name, const char* what) {
+  for (const auto& n : names)
+    if (n.name == name) return n.value;
+  throw sim::input_error(std::string("unknown ") + what + " '" + name + "' (known: " + list_of(names) + ")");
+}
+
+std::string joined(const std::vector<std::string>& words);
+
+double parse_number(const std::string& text, const std::string& what);
+std::vector<double> parse_numbers(const std::string& text, size_t count, const std::string& what);
+sim::screen_size parse_size(const std::string& text);
+rgba8 parse_colour(const std::string& text);
+
+// Nine numbers or the name of one of the three planes (for 640x480). Refused, with the reason: not nine numbers, not finite, singular, or
+// coordinates beyond what the engine takes (2^15 texels) at every pixel in front of the viewer.
+sim::matrix parse_matrix(const std::string& text, sim::screen_size size);
+
+// How pictures are drawn.
+struct drawing_options {
+  std::string filter = "trilinear", profile = "default", engine = "direct", wrap = "repeat", prefilter = "box", background = "000000";
+  int threads = 1, repeat = 1;
+  bool single_half = false;
+
+  void add_to(CLI::App& app, bool with_engine);
+  sim::draw_options resolve() const;
+  spantex::wrap wrap_mode() const { return value_of(sim::wrap_names, wrap, "wrap mode"); }
+  sim::prefilter level_filter() const { return value_of(sim::prefilter_names, prefilter, "prefilter"); }
+
+ private:
+  CLI::Option* wrap_given_ = nullptr;
+
+ public:
+  bool wrap_given() const { return wrap_given_ != nullptr && wrap_given_->count() > 0; }
+};
+
+// What is drawn: a model, a scene by name, or (matrix given) a plane.
+struct subject_options {
+  std::string subject, size = "640x480", texture, matrix, camera, eye, target;
+  double fov_degrees = 40;
+
+  void add_to(CLI::App& app, bool with_matrix);
+  // Loads once; then one scene per frame, the camera turned by `turn_degrees`.
+  class loaded {
+   public:
+    loaded(const subject_options& o, const drawing_options& d);
+    sim::scene at(double turn_degrees) const;
+
+   private:
+    sim::scene_request request_;
+    std::string name_;
+    std::optional<sim::matrix> matrix_;
+    std::optional<sim::world> world_;
+    sim::camera_options camera_;
+  };
+};
+
+}  // namespace spantex::tool
