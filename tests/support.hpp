@@ -243,7 +243,8 @@ inline texture_view unread_view(int32_t width, int32_t height, wrap wrap_u = wra
   const rgba8* pointers[max_levels];
   for (const rgba8*& p : pointers) p = &texel;
   texture_view t;
-  if (texture_view::make(pointers, bit_length(uint64_t(max_of(width, height))), width, height, wrap_u, wrap_v, t) != status::ok) std::abort();
+  const int levels = bit_length(uint64_t(max_of(width, height)));
+  if (texture_view::make(pointers, levels, width, height, wrap_u, wrap_v, t) != status::ok) std::abort();
   return t;
 }
 

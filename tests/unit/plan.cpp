@@ -2,6 +2,7 @@
 // The planner: a picture made of spans, jobs and sections is, bit for bit, the same arithmetic on the whole map; the order of spans, the
 // size of local memory and where a profile's numbers come from change nothing.
 #include <tests/support.hpp>
+#include <tests/whole_map.hpp>
 
 #include <type_traits>
 
@@ -9,79 +10,6 @@ using namespace spantex;
 using namespace spantex::sim;
 
 namespace {
-
-// --- the same arithmetic with the whole map at hand: no sections, no jobs, no correction ---
-
-template <class Prof>
-span_coefficients whole_map_coefficients(const Prof& prof, const surface& s, int32_t sx, int32_t sy, int i, int j) {
-  const profile& q = prof.get();
-  const int32_t cx = 16 * sx + 8, cy = 16 * sy + 8;
-  span_coefficients c{};
-  c.kind = s.kind;
-  c.last_level = uint8_t(s.texture->last_level());
-  const bool major = q.formula == level_formula::major;
-  if (s.map->w_at(cx, cy) > 0) {
-    const reference r = reference_at(*s.map, cx, cy);
-    if (span_coordinates(*s.map, r, q, c)) {
-      if (major) major_levels(*s.map, r, c);
-      else span_levels(q, c);
-      return c;
-    }
-  }
-  const int32_t hx = cx + half_pixels(i), hy = cy + half_pixels(j);
-  const reference r = reference_at(*s.map, hx, hy);
-  pixel_coordinates(r, q, c);
-  if (major) major_levels(*s.map, r, c);
-  else pixel_levels(*s.map, r, hx, hy, c);
-  return c;
-}
-
-uint32_t channel_of(rgba8 c, int k) { return k == 0 ? c.r : k == 1 ? c.g : k == 2 ? c.b : c.a; }
-
-// One level of one channel at a position.
-partial_colour whole_map_blend(const profile& q, const texture_view& t, filter kind, int level, const snapped_position& p, int channel) {
-  const auto texel = [&](int x, int y) {
-    return channel_of(t.texel(level, t.wrapped_u(p.u + x, level), t.wrapped_v(p.v + y, level)), channel);
-  };
-  const texels2x2 four{texel(0, 0), texel(1, 0), texel(0, 1), texel(1, 1)};
-  return uses_three_points(kind) ? three_point(four, p.fraction, q) : four_point(four, p.fraction, q);
-}
-
-section whole_level(const texture_view& t, int level) {
-  return {0, 0, t.ratio_u(level), t.ratio_v(level), uint8_t(level), t.width(level) == 1, t.height(level) == 1};
-}
-
-template <class Prof>
-rgba8 whole_map_pixel(const Prof& prof, const surface& s, int32_t x, int32_t y) {
-  const profile& q = prof.get();
-  const texture_view& t = *s.texture;
-  const int i = x % 8, j = y % 8;
-  const span_coefficients c = whole_map_coefficients(prof, s, x / 8, y / 8, i, j);
-  const texel_position at = position_at(prof, c, i, j);
-  const int32_t detail = uses_levels(s.kind) ? level_at(prof, c, i, j) : 0;
-  const int level = integer_level(s.kind, detail, q.level_bits, c.last_level);
-  const snapped_position fine = snap(at, whole_level(t, level), s.kind, q);
-  if (s.kind == filter::nearest) return t.texel(0, t.wrapped_u(fine.u, 0), t.wrapped_v(fine.v, 0));
-  const bool two = uses_two_levels(s.kind) && level < t.last_level();
-  uint8_t out[4];
-  for (int k = 0; k < 4; ++k) {
-    partial_colour colour = whole_map_blend(q, t, s.kind, level, fine, k);
-    if (two) {
-      const snapped_position coarse = snap(at, whole_level(t, level + 1), s.kind, q);
-      const int32_t fraction = detail - (level << q.level_bits);
-      colour = between_levels(colour, whole_map_blend(q, t, s.kind, level + 1, coarse, k), uint32_t(fraction), q);
-    }
-    out[k] = written(colour, q);
-  }
-  return {out[0], out[1], out[2], out[3]};
-}
-
-template <class Prof>
-void draw_whole_map(const Prof& prof, const surface& s, rectangle area, picture& out) {
-  for (int32_t y = area.y0; y < area.y1; ++y)
-    for (int32_t x = area.x0; x < area.x1; ++x)
-      if (s.map->w_at(2 * x + 1, 2 * y + 1) > 0) out.pixels[size_t(y) * size_t(out.width) + size_t(x)] = whole_map_pixel(prof, s, x, y);
-}
 
 // --- the engine's picture ---
 
@@ -171,22 +99,35 @@ SPANTEX_CASE(spans_equal_the_whole_map_in_other_word_lengths) {
 }
 
 // Random planes: steep, stretched, far, across the horizon.
-SPANTEX_CASE(spans_equal_the_whole_map_on_random_planes) {
+static void check_random_planes(const profile& q, int planes, uint64_t seed) {
   const texture_view t = photographic_map(256, 96).view(wrap::repeat, wrap::mirror);
-  random_source random(60);
+  random_source random(seed);
   const rectangle area{0, 0, 64, 48};
-  for (int n = 0; n < 400; ++n) {
+  for (int n = 0; n < planes; ++n) {
     plane p{};
     if (!random_plane(random, area, p)) continue;
     const filter kind = all_filters[n % 6];
     const surface s{&p, &t, kind};
     expected.reset(64, 48);
-    draw_whole_map(with_side(profiles::exact, 32), s, area, expected);
+    draw_whole_map(with_side(q, 32), s, area, expected);
     got.reset(64, 48);
-    if (n % 3 == 0) (void)draw_spans<8>(with_side(profiles::exact, 8), s, area, got);
-    else if (n % 3 == 1) (void)draw_spans<16>(with_side(profiles::exact, 16), s, area, got);
-    else (void)draw_spans<32>(with_side(profiles::exact, 32), s, area, got);
+    if (n % 3 == 0) (void)draw_spans<8>(with_side(q, 8), s, area, got);
+    else if (n % 3 == 1) (void)draw_spans<16>(with_side(q, 16), s, area, got);
+    else (void)draw_spans<32>(with_side(q, 32), s, area, got);
     assert_same_pictures("random plane", n, kind);
+  }
+}
+
+SPANTEX_CASE(spans_equal_the_whole_map_on_random_planes) { check_random_planes(profiles::exact, 400, 60); }
+
+// Short words move positions out of the hull of a span's corners: sections must allow for it.
+SPANTEX_CASE(spans_equal_the_whole_map_where_rounding_is_coarse) {
+  profile coarse = profiles::exact;
+  coarse.tolerance_bits = 16;
+  for (const int bits : {10, 12, 15, 18}) {
+    coarse.reciprocal_bits = bits;
+    coarse.offset_bits = max_of(12, bits);
+    check_random_planes(coarse, 300, 61 + uint64_t(bits));
   }
 }
 
@@ -326,6 +267,40 @@ SPANTEX_CASE(jobs_hold_every_pixel_once_and_every_texel_it_needs) {
   check_jobs<profiles::exact>();
 }
 
+// u is the same everywhere but for rounding, and that decides between two texels: k + 1/2 - 2^-9 is where snapping turns.
+SPANTEX_CASE(sections_hold_positions_that_rounding_alone_moves) {
+  const texture_view t = unread_view(512, 512);
+  random_source random(66);
+  int64_t turned = 0;
+  for (int n = 0; n < 3000; ++n) {
+    run_time_profile prof = with_side(profiles::exact, 8 << (n % 3));
+    prof.value.reciprocal_bits = 10 + n % 7;
+    prof.value.tolerance_bits = 16;
+    const auto slope = [&](int64_t most) { return random.between(-most, most); };
+    const int64_t one = int64_t(1) << 40, u_512 = random.between(-2000, 2000) * 512 + 255, g = slope(one / 300), h = slope(one / 300);
+    const auto times_u = [&](int64_t x) { return multiply(wide(x), u_512); };
+    const auto scaled = [](int64_t x) { return shift_left(wide(x), 9); };
+    const homography m{times_u(g), times_u(h), times_u(one), scaled(slope(one)), scaled(slope(one)), scaled(slope(100 * one)),
+                       scaled(g), scaled(h), scaled(one)};
+    plane p{};
+    if (make_plane(m, {0, 0, 32, 32}, p) != status::ok) continue;
+    const surface s{&p, &t, filter::bilinear};
+    SPANTEX_ASSERT_OK(plan_span(prof, s, 1, 2, front_mask(p, 1, 2), [&](span_job& job) {
+      int32_t low = INT32_MAX, high = INT32_MIN;
+      for (span_mask rest = job.mask; rest != 0; rest &= rest - 1) {
+        const int k = __builtin_ctzll(rest);
+        const snapped_position at = snap(position_at(prof, job.coefficients, k % 8, k / 8), job.coefficients.fine, s.kind, prof.value);
+        assert_true(at.u >= job.fine.u0 && at.u + 1 <= job.fine.u1 && at.v >= job.fine.v0 && at.v + 1 <= job.fine.v1);
+        low = min_of(low, at.u);
+        high = max_of(high, at.u);
+      }
+      turned += low != high;
+      return status::ok;
+    }));
+  }
+  assert_true(turned > 300);
+}
+
 SPANTEX_CASE(a_sink_that_fails_ends_planning_with_its_status) {
   const fixed_profile<profiles::exact> prof;
   const texture_view t = unread_view(512, 512);
@@ -348,10 +323,12 @@ int main() {
       cmocka_unit_test(spans_equal_the_whole_map_for_large_maps),
       cmocka_unit_test(spans_equal_the_whole_map_in_other_word_lengths),
       cmocka_unit_test(spans_equal_the_whole_map_on_random_planes),
+      cmocka_unit_test(spans_equal_the_whole_map_where_rounding_is_coarse),
       cmocka_unit_test(seed_equals_the_whole_map_where_nothing_is_clamped),
       cmocka_unit_test(compile_time_and_run_time_profiles_draw_the_same),
       cmocka_unit_test(the_order_of_spans_and_the_number_of_halves_change_nothing),
       cmocka_unit_test(jobs_hold_every_pixel_once_and_every_texel_it_needs),
+      cmocka_unit_test(sections_hold_positions_that_rounding_alone_moves),
       cmocka_unit_test(a_sink_that_fails_ends_planning_with_its_status),
   };
   return run_suite("plan", tests);
