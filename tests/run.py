@@ -53,7 +53,7 @@ def compile_fail_cases(only_case):
 
 def script_cases(build, only_case):
     for script in sorted((ROOT / "tests/scripts").iterdir()):
-        if not os.access(script, os.X_OK) or script.is_dir() or not fnmatch.fnmatch(script.stem, only_case):
+        if script.is_dir() or not os.access(script, os.X_OK) or not fnmatch.fnmatch(script.stem, only_case):
             continue
         code, text = run([script], env=dict(os.environ, SPANTEX_BUILD=str(build)))
         yield "scripts", script.stem, code == 0, text

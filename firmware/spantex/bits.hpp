@@ -21,7 +21,9 @@ constexpr int min_of(int a, int b) { return a < b ? a : b; }
 // The bounds take the type of x: int32_t is int on some targets and long on others.
 template <class T> struct type_of_value { using type = T; };
 template <class T>
-constexpr T clamp_to(T x, typename type_of_value<T>::type low, typename type_of_value<T>::type high) { return x < low ? low : x > high ? high : x; }
+constexpr T clamp_to(T x, typename type_of_value<T>::type low, typename type_of_value<T>::type high) {
+  return x < low ? low : x > high ? high : x;
+}
 
 // x / 2^shift, rounded. Domain: 0 <= shift <= 62, |x| <= 2^63 - 2^(shift-1) - 1 (the addend must fit).
 template <class Int>

@@ -3,7 +3,7 @@
 //
 // Screen positions are in half pixels, so that pixel centres and span centres are both whole numbers: pixel (i, j) has its
 // centre at (2i+1, 2j+1), the centre of span (I, J) lies at (16I+8, 16J+8). Coefficients are integers with one
-// common scale, exact from here on: |Nu|, |Nv| < 2^59 and |W| < 2^45 over the plane's region.
+// common scale, exact from here on: |Nu|, |Nv| < 2^59 and |W| < 2^45 over the plane's region (plus at most 2^13 by rounding).
 #pragma once
 #include <stdint.h>
 
@@ -22,6 +22,11 @@ struct rectangle {
   int32_t x0, y0, x1, y1;
   constexpr bool empty() const { return x0 >= x1 || y0 >= y1; }
 };
+
+// Not empty, and within the largest screen.
+constexpr bool on_screen(rectangle r) {
+  return !r.empty() && r.x0 >= 0 && r.y0 >= 0 && r.x1 <= max_screen_px && r.y1 <= max_screen_px;
+}
 
 constexpr rectangle intersection(rectangle a, rectangle b) {
   return {max_of(a.x0, b.x0), max_of(a.y0, b.y0), min_of(a.x1, b.x1), min_of(a.y1, b.y1)};
@@ -46,7 +51,7 @@ struct plane {
 };
 
 // Homogeneous coefficients before normalisation: u = (a x + b y + c)/(g x + h y + i), v = (d x + e y + f)/(...), x and y in
-// pixels, origin top left. Only ratios matter, and the sign: a point is in front where g x + h y + i > 0. |each| < 2^124.
+// pixels, origin top left. Only ratios matter, and the sign: a point is in front where g x + h y + i > 0. |c|, |f|, |i| < 2^122, the others < 2^110.
 struct homography {
   wide a, b, c, d, e, f, g, h, i;
 };
@@ -100,8 +105,7 @@ namespace detail {
 
 // Normalises and tells by how many bits (`drop` may be negative): W of the plane = 2 W of the homography / 2^drop.
 constexpr status normalise(const homography& m, rectangle region, plane& out, int& drop) {
-  if (region.empty() || region.x0 < 0 || region.y0 < 0 || region.x1 > max_screen_px || region.y1 > max_screen_px)
-    return status::bad_size;
+  if (!on_screen(region)) return status::bad_size;
   const int32_t ox = region.x0 + region.x1, oy = region.y0 + region.y1;
   const wide_form u = about(m.a, m.b, m.c, ox, oy), v = about(m.d, m.e, m.f, ox, oy), w = about(m.g, m.h, m.i, ox, oy);
   // Spans are evaluated at their centres, which may lie 8 pixels outside the region.

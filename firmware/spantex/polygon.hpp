@@ -151,6 +151,7 @@ constexpr linear_form depth_form(const plane& p, wide determinant, int drop, int
 // No divisor W <= 0 survives: what lies nearer than near_z is cut off before projection.
 constexpr status make_polygon(const vertex* vertices, int count, const projection& camera, rectangle clip, polygon& out) {
   if (count < 3 || count > max_polygon_vertices) return status::bad_size;
+  if (!on_screen(clip)) return status::bad_size;
   if (camera.near_z <= 0) return status::out_of_range;
   detail::outline o;
   for (int k = 0; k < count; ++k) {
