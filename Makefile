@@ -24,7 +24,7 @@ HOST_OBJECTS := $(HOST_SOURCES:%.cpp=$(B)/%.o)
 TOOL_OBJECTS := $(TOOL_SOURCES:%.cpp=$(B)/%.o)
 UNIT_TESTS   := $(UNIT_SOURCES:tests/unit/%.cpp=$(B)/tests/%)
 
-.PHONY: all demo test stress check-gates unit-tests clean help setup-build setup-test setup-demo
+.PHONY: all demo test stress sanitize check-gates unit-tests clean help setup-build setup-test setup-demo
 
 all: setup-build ## build the command: build/spantex
 	@$(MAKE) --no-print-directory -j$(JOBS) $(B)/spantex
@@ -43,6 +43,12 @@ stress: setup-build all ## coordinates, levels and coverage against exact arithm
 	@for p in exact default; do \
 	  $(B)/spantex stress --profile $$p --evaluations $(EVALUATIONS) --threads $(JOBS) --json $(B)/stress/$$p.json > $(B)/stress/$$p.txt; \
 	  code=$$?; cat $(B)/stress/$$p.txt; test $$code = 0 || exit 1; done
+
+SANITIZE := -g -fsanitize=address,undefined,unsigned-integer-overflow -fno-sanitize-recover=all \
+            -fsanitize-ignorelist=tests/sanitize.ignore -DSPANTEX_CHECK_TRUST
+sanitize: setup-build setup-test ## the unit tests under clang's address, undefined-behaviour and unsigned-overflow sanitizers
+	@$(MAKE) --no-print-directory -j$(JOBS) B=$(B)/sanitize CXX=clang++ OPT=-O1 CXXFLAGS="$(SANITIZE)" unit-tests
+	@ASAN_OPTIONS=detect_leaks=0 SPANTEX_SHORT=1 python3 tests/run.py --build $(B)/sanitize --units
 
 check-gates: setup-test ## break the code on purpose, one line at a time: a named test must notice each
 	@tests/gates.py

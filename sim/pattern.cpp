@@ -7,7 +7,7 @@ namespace spantex::sim {
 namespace {
 
 // A hash of a lattice point, 0..255.
-int lattice(uint32_t x, uint32_t y, uint32_t seed) {
+SPANTEX_WRAPS int lattice(uint32_t x, uint32_t y, uint32_t seed) {
   uint32_t h = x * 0x9E3779B1u ^ y * 0x85EBCA77u ^ seed * 0xC2B2AE3Du;
   h = (h ^ (h >> 15)) * 0x2C1B3C6Du;
   h = (h ^ (h >> 12)) * 0x297A2D39u;

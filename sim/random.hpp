@@ -3,12 +3,14 @@
 #pragma once
 #include <cstdint>
 
+#include <spantex/bits.hpp>
+
 namespace spantex::sim {
 
 class random_source {
  public:
   explicit constexpr random_source(uint64_t seed) : state_(seed) {}
-  constexpr uint64_t next() {
+  SPANTEX_WRAPS constexpr uint64_t next() {
     uint64_t z = (state_ += 0x9e3779b97f4a7c15);
     z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9;
     z = (z ^ (z >> 27)) * 0x94d049bb133111eb;
@@ -22,7 +24,7 @@ class random_source {
 };
 
 // One number from several: the seed of a case.
-constexpr uint64_t mix(uint64_t a, uint64_t b, uint64_t c) {
+SPANTEX_WRAPS constexpr uint64_t mix(uint64_t a, uint64_t b, uint64_t c) {
   random_source r(a * 0x9e3779b97f4a7c15 + b);
   r.next();
   return random_source(r.next() ^ (c * 0xd1342543de82ef95)).next();

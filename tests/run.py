@@ -63,15 +63,16 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build")
     parser.add_argument("--only", default="*", metavar="SUITE[.CASE]")
+    parser.add_argument("--units", action="store_true", help="unit tests only")
     options = parser.parse_args()
     options.build = options.build.resolve()
     suite, _, case = options.only.partition(".")
     case = case or "*"
     groups = []
-    if fnmatch.fnmatch("compile_fail", suite):
+    if not options.units and fnmatch.fnmatch("compile_fail", suite):
         groups.append(compile_fail_cases(case))
     groups.append(unit_cases(options.build, suite, case))
-    if fnmatch.fnmatch("scripts", suite):
+    if not options.units and fnmatch.fnmatch("scripts", suite):
         groups.append(script_cases(options.build, case))
     passed = failed = 0
     begun = time.monotonic()

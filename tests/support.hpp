@@ -71,6 +71,9 @@ constexpr int128 magnitude_of(int128 x) { return x < 0 ? -x : x; }
 constexpr int128 to_int128(wide a) { return int128(uint128(uint64_t(a.high)) << 64 | a.low); }
 constexpr wide to_wide(int128 x) { return {int64_t(x >> 64), uint64_t(x)}; }
 
+// Slow builds (sanitizers) take every so-manyth of an exhaustive range.
+inline bool short_run() { return std::getenv("SPANTEX_SHORT") != nullptr; }
+
 // Runs a suite; SPANTEX_TEST_FILTER (with * and ?) selects cases.
 template <size_t N>
 int run_suite(const char* name, const CMUnitTest (&tests)[N]) {
@@ -84,19 +87,19 @@ int run_suite(const char* name, const CMUnitTest (&tests)[N]) {
 struct random_source {
   uint64_t state;
   constexpr explicit random_source(uint64_t seed) : state(seed) {}
-  constexpr uint64_t next() {
+  SPANTEX_WRAPS constexpr uint64_t next() {
     uint64_t z = state += 0x9E3779B97F4A7C15u;
     z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
     z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
     return z ^ (z >> 31);
   }
   // Uniform in [low, high].
-  constexpr int64_t between(int64_t low, int64_t high) {
+  SPANTEX_WRAPS constexpr int64_t between(int64_t low, int64_t high) {
     const uint64_t span = uint64_t(high) - uint64_t(low) + 1;
     return int64_t(uint64_t(low) + (span == 0 ? next() : next() % span));
   }
   // Every magnitude alike: a random number of bits up to `bits`, any sign.
-  constexpr int64_t any_magnitude(int bits) {
+  SPANTEX_WRAPS constexpr int64_t any_magnitude(int bits) {
     const int kept = int(next() % uint64_t(bits + 1));
     const uint64_t m = kept == 0 ? 0 : next() >> (64 - kept);
     return (next() & 1) != 0 ? -int64_t(m) : int64_t(m);
@@ -269,7 +272,7 @@ struct picture {
 // FNV-1a over the bytes.
 inline uint64_t hash_of(const picture& p) {
   uint64_t h = 0xCBF29CE484222325u;
-  const auto mix = [&h](uint8_t byte) { h = (h ^ byte) * 0x100000001B3u; };
+  const auto mix = [&h](uint8_t byte) SPANTEX_WRAPS { h = (h ^ byte) * 0x100000001B3u; };
   for (const rgba8& c : p.pixels) { mix(c.r); mix(c.g); mix(c.b); mix(c.a); }
   return h;
 }

@@ -37,7 +37,7 @@ struct constant_map {
   }
 
  private:
-  static constexpr rgba8 pattern(int x, int y) {
+  SPANTEX_WRAPS static constexpr rgba8 pattern(int x, int y) {
     const uint32_t n = (uint32_t(x) * 73856093u ^ uint32_t(y) * 19349663u) * 2654435761u;
     return {uint8_t(n >> 24), uint8_t((x * 255) / Width), uint8_t((x / 4 + y / 4) % 2 ? 220 : 40), uint8_t(255 - ((y * 200) / Height))};
   }
@@ -95,7 +95,7 @@ struct scratch {
 
 constexpr uint32_t fnv1a(const rgba8* pixels, int count) {
   uint32_t hash = 2166136261u;
-  const auto add = [&](uint8_t byte) { hash = (hash ^ byte) * 16777619u; };
+  const auto add = [&](uint8_t byte) SPANTEX_WRAPS { hash = (hash ^ byte) * 16777619u; };
   for (int k = 0; k < count; ++k) {
     add(pixels[k].r); add(pixels[k].g); add(pixels[k].b); add(pixels[k].a);
   }

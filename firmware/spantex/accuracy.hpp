@@ -62,11 +62,12 @@ constexpr uint64_t coordinate_bound(const profile& p, int extent_log2 = max_exte
   return affine > one_term ? (affine > divide ? affine : divide) : (one_term > divide ? one_term : divide);
 }
 
-// |computed - formula| of the level of detail where it lies in [0, last], in 2^-40 level: terms, log2 twice and a half, final rounding.
+// |computed - formula| of the level of detail where it lies in [0, last], in 2^-40 level: terms, final rounding, log2 twice and a
+// half, and the span's mantissas.
 constexpr uint64_t level_bound(const profile& p) {
   constexpr int term_bits = 10;
   return detail::bound_power(-term_bits - 1) + detail::bound_power(-p.level_bits - 1) + 10 * detail::bound_power(-16) +
-         detail::bound_power(-12);
+         detail::bound_power(13 - p.offset_bits);
 }
 
 // The promises, checked when the library is compiled.

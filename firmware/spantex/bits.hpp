@@ -4,6 +4,13 @@
 #pragma once
 #include <stdint.h>
 
+// Marks functions whose unsigned arithmetic is meant to wrap, for sanitizers that report it otherwise.
+#if defined(__clang__)
+#define SPANTEX_WRAPS __attribute__((no_sanitize("unsigned-integer-overflow")))
+#else
+#define SPANTEX_WRAPS
+#endif
+
 namespace spantex {
 
 // How a stage drops bits. `floor` is towards minus infinity, `nearest` rounds halves up (towards plus
@@ -13,7 +20,7 @@ enum class rounding : uint8_t { floor, nearest, even };
 // Number of bits needed to write x: 0 for 0, otherwise floor(log2 x) + 1.
 constexpr int bit_length(uint64_t x) { return x == 0 ? 0 : 64 - __builtin_clzll(x); }
 
-constexpr uint64_t magnitude(int64_t x) { return x < 0 ? 0 - uint64_t(x) : uint64_t(x); }
+SPANTEX_WRAPS constexpr uint64_t magnitude(int64_t x) { return x < 0 ? 0 - uint64_t(x) : uint64_t(x); }
 
 constexpr int max_of(int a, int b) { return a > b ? a : b; }
 constexpr int min_of(int a, int b) { return a < b ? a : b; }

@@ -26,7 +26,7 @@ struct reciprocal_table {
 inline constexpr reciprocal_table reciprocal_seeds{};
 
 // One Newton step in 32 x 32 -> 64: m u1.31, y u0.32.
-constexpr uint32_t newton_step(uint32_t m, uint32_t y) {
+SPANTEX_WRAPS constexpr uint32_t newton_step(uint32_t m, uint32_t y) {
   const int64_t error = int64_t((uint64_t(1) << 63) - uint64_t(m) * y);   // 1 - m y, 63 fraction bits
   const int64_t next = int64_t(y) + ((int64_t(y) * (error >> 32)) >> 31);
   return next > 0xFFFFFFFFll ? 0xFFFFFFFFu : uint32_t(next);
@@ -41,7 +41,7 @@ constexpr uint32_t reciprocal_wide(uint32_t m) {
 
 // The same unit with 32-bit products only: m u1.15 with its top bit set, result u0.16, less than 4 below
 // 2^31/m and never above it.
-constexpr uint32_t reciprocal_narrow(uint32_t m) {
+SPANTEX_WRAPS constexpr uint32_t reciprocal_narrow(uint32_t m) {
   const uint32_t y = reciprocal_seeds.seed[(m >> 8) & 127];
   const int32_t error = int32_t((uint32_t(1) << 31) - m * y);             // 31 fraction bits
   const int32_t next = int32_t(y) + ((int32_t(y) * (error >> 16)) >> 15);

@@ -20,12 +20,12 @@ struct wide {
   constexpr bool zero() const { return high == 0 && low == 0; }
 };
 
-constexpr wide operator+(wide a, wide b) {
+SPANTEX_WRAPS constexpr wide operator+(wide a, wide b) {
   const uint64_t low = a.low + b.low;
   return {int64_t(uint64_t(a.high) + uint64_t(b.high) + (low < a.low ? 1u : 0u)), low};
 }
 
-constexpr wide operator-(wide a) {
+SPANTEX_WRAPS constexpr wide operator-(wide a) {
   return {int64_t(~uint64_t(a.high) + (a.low == 0 ? 1u : 0u)), 0 - a.low};
 }
 
@@ -48,7 +48,7 @@ constexpr wide multiply(int64_t a, int64_t b) {
 }
 
 // 128 x 64 -> 128. The caller guarantees that the product fits.
-constexpr wide multiply(wide a, int64_t b) {
+SPANTEX_WRAPS constexpr wide multiply(wide a, int64_t b) {
   const wide m = magnitude(a);
   wide p = multiply_unsigned(m.low, magnitude(b));
   p.high = int64_t(uint64_t(p.high) + uint64_t(m.high) * magnitude(b));
@@ -88,7 +88,7 @@ constexpr bool operator<(wide a, wide b) { return (a - b).negative(); }
 constexpr int64_t to_int64(wide a) { return int64_t(a.low); }
 
 // Quotient a / b to nearest (halves away from zero), b > 0, |quotient| < 2^63. One bit a step: set-up only.
-constexpr int64_t divide_nearest(wide a, int64_t b) {
+SPANTEX_WRAPS constexpr int64_t divide_nearest(wide a, int64_t b) {
   const wide m = magnitude(a);
   uint64_t remainder = 0, quotient = 0;
   for (int i = bit_length(m) - 1; i >= 0; --i) {

@@ -11,7 +11,7 @@ using namespace spantex;
 namespace {
 
 // Texel values that tell level, channel and place apart.
-constexpr uint8_t value_at(bool coarse, int channel, int x, int y) {
+SPANTEX_WRAPS constexpr uint8_t value_at(bool coarse, int channel, int x, int y) {
   const uint32_t mixed = (uint32_t(x) * 73u + uint32_t(y) * 151u + uint32_t(channel) * 29u + (coarse ? 97u : 11u)) * 2654435761u;
   return uint8_t(mixed >> 23);
 }

@@ -38,16 +38,18 @@ SPANTEX_CASE(narrow_reciprocal_is_within_4_for_every_input) {
   worst.print("reciprocal_narrow");
 }
 
-SPANTEX_CASE(wide_reciprocal_is_within_4_for_every_input) {
+SPANTEX_WRAPS SPANTEX_CASE(wide_reciprocal_is_within_4_for_every_input) {
   worst_error worst;
   bool good = true;
+  // Under sanitizers every 997th only: the values are the same there, and all of them are seen in the ordinary run.
+  const uint32_t step = short_run() ? 997 : 1;
   uint32_t m = 1u << 31;
   do {
     const uint32_t y = reciprocal_wide(m);
     const int64_t difference = int64_t(uint64_t(m) * y - (uint64_t(1) << 63));
     worst.note(difference, m);
     good = good && difference <= 0 && difference > -4 * int64_t(m);
-  } while (++m != 0);
+  } while ((m += step) >= 1u << 31);
   worst.print("reciprocal_wide");
   assert_true(good);
 }

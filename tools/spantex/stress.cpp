@@ -55,7 +55,7 @@ uint64_t case_number(const std::string& text) {
 std::string fraction(double error) {
   char text[32];
   if (error == 0) return "0";
-  snprintf(text, sizeof text, "1/%.0f", 1 / error);
+  snprintf(text, sizeof text, error < 0.5 ? "1/%.0f" : "%.2f", error < 0.5 ? 1 / error : error);
   return text;
 }
 
