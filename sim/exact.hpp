@@ -23,6 +23,15 @@ inline bool in_range(int64_t numerator, int64_t w) {
   return numerator < limit && numerator > -limit;
 }
 
+// |snapped / 2^bits - (numerator / w size_level / size_0 - 1/2)| in texels of a level, from an exact integer difference: at most 25 + 45 + 12
+// bits and 59 + 12 + 9.
+inline double snapped_error(int32_t snapped, int bits, int64_t numerator, int64_t w, int32_t size_level, int32_t size_0) {
+  const int128 unit = int128(w) * size_0;
+  const int128 difference = (int128(2) * snapped + (int128(1) << bits)) * unit - (int128(numerator) * size_level << (bits + 1));
+  const int128 size = difference < 0 ? -difference : difference;
+  return double(static_cast<long double>(size) / (static_cast<long double>(unit) * static_cast<long double>(int64_t(1) << (bits + 1))));
+}
+
 // Vulkan's rho as log2, at a point in half pixels where w > 0: the longer column of the Jacobian, texels per pixel. The
 // numerators A W - Nu G are exact integers of up to 105 bits; only the final logarithm is floating point, in long double.
 inline long double exact_level(const plane& p, int32_t hx, int32_t hy) {

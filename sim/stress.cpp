@@ -3,6 +3,8 @@
 
 #include <spantex/accuracy.hpp>
 #include <spantex/coordinates.hpp>
+#include <spantex/datapath.hpp>
+#include <spantex/texture.hpp>
 #include <spantex/coverage.hpp>
 #include <spantex/level.hpp>
 #include <spantex/polygon.hpp>
@@ -11,6 +13,7 @@
 #include <atomic>
 #include <chrono>
 #include <cstdio>
+#include <cstdlib>
 #include <mutex>
 #include <thread>
 
@@ -137,9 +140,43 @@ void note(stress_worst& worst, double error, uint64_t seed, int sx, int sy, int 
   if (error > worst.error) worst = {error, seed, sx, sy, pixel};
 }
 
+// A map and a level of it: sides 1..4096, powers of two and others, on which a case's positions are snapped.
+struct sampled_level {
+  int32_t side_0, side;
+  uint32_t ratio;
+  int level;
+};
+
+sampled_level choose_level(uint64_t seed) {
+  random_source r(seed ^ 0x7f4a7c15);
+  const int bits = int(r.below(13));
+  const int32_t side = r.below(2) ? 1 << bits : 1 + int32_t(r.below(1u << bits));
+  const rgba8 texel{};
+  const rgba8* levels[max_levels];
+  for (const rgba8*& p : levels) p = &texel;
+  texture_view t;
+  const int count = bit_length(uint64_t(side));
+  if (texture_view::make(levels, count, side, side, wrap::repeat, wrap::repeat, t) != status::ok) std::abort();
+  const int level = int(r.below(uint32_t(count)));
+  return {side, t.width(level), t.ratio_u(level), level};
+}
+
+// A snapped position against its bound (accuracy.hpp snapped_bound).
+bool check_position(const profile& p, const sampled_level& at, coordinate c, int64_t numerator, int64_t w, uint64_t seed, int sx, int sy, int k,
+                    stress_row& row) {
+  if (at.side == 1) return true;  // position 0 by definition
+  const int32_t snapped = blended(c, at.ratio, false, at.level, p);
+  const double error = snapped_error(snapped, p.subtexel_bits, numerator, w, at.side, at.side_0);
+  const double share = error / (double(snapped_bound(p, at.level)) / double(error_unit));
+  ++row.positions;
+  note(row.position, share, seed, sx, sy, k);
+  return share <= 1;
+}
+
 // All pixels of one span. Levels are checked for every pixel too: the exact one is a logarithm of exact integers.
 bool check_span(const profile& p, const plane& map, int sx, int sy, uint64_t seed, bounds limit, stress_row& row) {
   span_under_test span(p, map, sx, sy);
+  const sampled_level sampled = choose_level(seed);
   bool good = true;
   for (int k = 0; k < span_pixel_count; ++k) {
     const int i = k % span_side, j = k / span_side;
@@ -155,6 +192,8 @@ bool check_span(const profile& p, const plane& map, int sx, int sy, uint64_t see
     row.evaluations += uint64_t(u_counts) + uint64_t(v_counts);
     note(row.coordinate, worst, seed, sx, sy, k);
     good = good && worst <= limit.coordinate;
+    if (u_counts) good = check_position(p, sampled, at.u, nu, w, seed, sx, sy, k, row) && good;
+    if (v_counts) good = check_position(p, sampled, at.v, nv, w, seed, sx, sy, k, row) && good;
     if (!u_counts || !v_counts || (k % 5) != 0) continue;
     const long double exact = exact_level(map, hx, hy);
     const double computed = double(level_at(span.prof(), c, i, j)) / (1 << p.level_bits);
@@ -243,9 +282,11 @@ bool check_case(const profile& p, stress_family family, uint64_t seed, bounds li
 void merge(stress_row& into, const stress_row& from) {
   into.cases += from.cases;
   into.evaluations += from.evaluations;
+  into.positions += from.positions;
   into.levels += from.levels;
   into.polygon_pixels += from.polygon_pixels;
   if (from.coordinate.error > into.coordinate.error) into.coordinate = from.coordinate;
+  if (from.position.error > into.position.error) into.position = from.position;
   if (from.level.error > into.level.error) into.level = from.level;
   if (into.failures == 0) into.first_failure = from.first_failure;
   into.failures += from.failures;
@@ -256,12 +297,13 @@ stress_row run_family(const profile& p, stress_family family, const stress_optio
                       std::chrono::steady_clock::time_point end, bool& complete) {
   const bounds limit = bounds_of(p);
   const bool polygons = family == stress_family::polygons;
-  stress_row total{family, 0, 0, 0, 0, {}, {}, 0, 0};
+  stress_row total{};
+  total.family = family;
   std::mutex lock;
   std::atomic<uint64_t> next{0}, done{0};
   std::atomic<bool> late{false};
   const auto work = [&] {
-    stress_row row{family, 0, 0, 0, 0, {}, {}, 0, 0};
+    stress_row row{};
     uint64_t counted = 0;
     while (done < share && !late) {
       check_case(p, family, mix(o.seed, uint64_t(family), next++), limit, row);
@@ -290,11 +332,11 @@ std::string text_of(const plane& p) {
 }
 
 // Simplifies a failing plane: drops coefficients and low bits while the span still fails.
-plane shrink(const profile& p, plane map, int sx, int sy) {
+plane shrink(const profile& p, plane map, int sx, int sy, uint64_t seed) {
   const bounds limit = bounds_of(p);
   const auto fails = [&](const plane& candidate) {
     stress_row row{};
-    return !check_span(p, candidate, sx, sy, 0, limit, row);
+    return !check_span(p, candidate, sx, sy, seed, limit, row);
   };
   bool smaller = true;
   while (smaller) {
@@ -365,8 +407,8 @@ std::string describe_case(const profile& p, stress_family family, uint64_t seed)
   const plane map = stress_plane(family, seed, width, height);
   std::string text = std::string(head) + "plane: " + text_of(map) + "\n";
   if (!good) {
-    const stress_worst& at = row.coordinate.error > bounds_of(p).coordinate ? row.coordinate : row.level;
-    text += "minimal: " + text_of(shrink(p, map, at.span_x, at.span_y)) + "\n";
+    const stress_worst& at = row.coordinate.error > bounds_of(p).coordinate ? row.coordinate : row.position.error > 1 ? row.position : row.level;
+    text += "minimal: " + text_of(shrink(p, map, at.span_x, at.span_y, seed)) + "\n";
   }
   return text;
 }

@@ -35,15 +35,15 @@ struct stress_options {
 };
 
 struct stress_worst {
-  double error = 0;        // in texels or levels
+  double error = 0;        // in texels, levels, or parts of the bound
   uint64_t case_seed = 0;
   int span_x = 0, span_y = 0, pixel = 0;
 };
 
 struct stress_row {
   stress_family family;
-  uint64_t cases = 0, evaluations = 0, levels = 0, polygon_pixels = 0;
-  stress_worst coordinate, level;
+  uint64_t cases = 0, evaluations = 0, positions = 0, levels = 0, polygon_pixels = 0;
+  stress_worst coordinate, position, level;  // position: snapped, as a share of its bound
   uint64_t failures = 0;
   uint64_t first_failure = 0;  // case seed
 };

@@ -17,7 +17,7 @@ import sys
 import time
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-LIMIT_S = 1200
+LIMIT_S = 1800
 
 
 def run(command, **kw):

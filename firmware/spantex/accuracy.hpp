@@ -62,6 +62,12 @@ constexpr uint64_t coordinate_bound(const profile& p, int extent_log2 = max_exte
   return affine > one_term ? (affine > divide ? affine : divide) : (one_term > divide ? one_term : divide);
 }
 
+// |snapped - exact| of a blending filter's position on a level, in texels of that level: the coordinate, the ratio of sizes that do not
+// halve exactly (31 bits), and half a step of the weights.
+constexpr uint64_t snapped_bound(const profile& p, int level) {
+  return detail::bound_scaled(coordinate_bound(p), -level) + detail::bound_power(-17 - level) + detail::bound_power(-p.subtexel_bits - 1);
+}
+
 // |computed - formula| of the level of detail where it lies in [0, last], in 2^-40 level: terms, final rounding, log2 twice and a
 // half, and the span's mantissas.
 constexpr uint64_t level_bound(const profile& p) {

@@ -77,7 +77,7 @@ struct waveform {
     if (issues && value("engine.pipeline.stall") == 1) refuse("busy and stalled at " + std::to_string(now));
   }
 
-  void advance(uint64_t to) {
+  SPANTEX_WRAPS void advance(uint64_t to) {  // before the first step `since` may lie ahead: the sum comes out right
     if (in_steps && to <= now) refuse("time runs backwards at " + std::to_string(to));
     if (in_steps) check_instant();
     for (auto& [id, s] : signals) {

@@ -64,8 +64,8 @@ nlohmann::json to_json(const stress_arguments& a, const sim::stress_report& r) {
   const auto worst = [](const sim::stress_worst& w) { return nlohmann::json{{"error", w.error}, {"case", w.case_seed}}; };
   for (const sim::stress_row& row : r.rows)
     rows.push_back({{"family", sim::name_of(row.family)}, {"cases", row.cases}, {"coordinate_evaluations", row.evaluations},
-                    {"level_evaluations", row.levels}, {"polygon_pixels", row.polygon_pixels}, {"worst_coordinate", worst(row.coordinate)},
-                    {"worst_level", worst(row.level)}, {"failures", row.failures}});
+                    {"snapped_positions", row.positions}, {"level_evaluations", row.levels}, {"polygon_pixels", row.polygon_pixels}, {"worst_coordinate", worst(row.coordinate)},
+                    {"worst_position_share_of_bound", worst(row.position)}, {"worst_level", worst(row.level)}, {"failures", row.failures}});
   return {{"profile", a.profile}, {"seed", a.seed}, {"complete", r.complete}, {"coordinate_bound_texels", r.coordinate_bound},
           {"level_bound", r.level_bound}, {"families", rows}};
 }
@@ -73,12 +73,13 @@ nlohmann::json to_json(const stress_arguments& a, const sim::stress_report& r) {
 void print_table(const stress_arguments& a, const sim::stress_report& r) {
   printf("profile %s, seed %llu: coordinate within %s texel, level within %s\n", a.profile.c_str(), static_cast<unsigned long long>(a.seed),
          fraction(r.coordinate_bound).c_str(), fraction(r.level_bound).c_str());
-  printf("%-16s %9s %12s %10s %10s %21s %9s %8s\n", "family", "cases", "evaluations", "worst u,v", "level", "case of the worst u,v", "levels", "failures");
+  printf("%-16s %9s %12s %10s %10s %10s %9s  %s\n", "family", "cases", "evaluations", "worst u,v", "snapped", "level", "failures", "case of the worst u,v");
   for (const sim::stress_row& row : r.rows)
-    printf("%-16s %9llu %12llu %10s %10s %21llu %9llu %8llu\n", sim::name_of(row.family), static_cast<unsigned long long>(row.cases),
-           static_cast<unsigned long long>(row.evaluations + row.polygon_pixels), fraction(row.coordinate.error).c_str(),
-           fraction(row.level.error).c_str(), static_cast<unsigned long long>(row.coordinate.case_seed),
-           static_cast<unsigned long long>(row.levels), static_cast<unsigned long long>(row.failures));
+    printf("%-16s %9llu %12llu %10s %8.1f %% %10s %9llu  %llu\n", sim::name_of(row.family), static_cast<unsigned long long>(row.cases),
+           static_cast<unsigned long long>(row.evaluations + row.polygon_pixels), fraction(row.coordinate.error).c_str(), 100 * row.position.error,
+           fraction(row.level.error).c_str(), static_cast<unsigned long long>(row.failures),
+           static_cast<unsigned long long>(row.coordinate.case_seed));
+  printf("snapped: positions on levels of maps 1..4096, worst share of their bound\n");
   if (!r.complete) printf("stopped by --seconds before all evaluations were made\n");
 }
 
