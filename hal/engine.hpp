@@ -38,7 +38,8 @@ template <class T> inline constexpr bool same_type<T, T> = true;
 template <class T, class U> concept is_exactly = same_type<T, U>;
 
 template <class E>
-concept span_engine = requires(E& e, half h, const span_coefficients& c, const uint64_t* words, int n, span_mask mask, span_pixels& out, event what) {
+concept span_engine = requires(E& e, half h, const span_coefficients& c, const uint64_t* words, int n, span_mask mask, span_pixels& out,
+                               event what) {
   { e.load_coefficients(h, c) } -> is_exactly<status>;
   { e.load_words(h, n, words, n) } -> is_exactly<status>;
   { e.start(h, mask) } -> is_exactly<status>;

@@ -104,6 +104,7 @@ class sim_engine {
     memory texels{};
     span_pixels pixels{};
     sim::cycle loaded_at = 0;
+    sim::interval issue;                // of the last start: the pipeline takes pixels of this half
     std::vector<sim::interval> bursts;  // since the half was last started
   };
 
@@ -115,7 +116,7 @@ class sim_engine {
     x.bursts.push_back(time);
     guard_.loads(h, what, time);
     counters_.load_cycles += time.length();
-    counters_.hidden_load_cycles += sim::overlap_cycles(time, guard_.computing(other(h)));
+    counters_.hidden_load_cycles += sim::overlap_cycles(time, halves_[int(other(h))].issue);
     counters_.total_cycles = sim::later(counters_.total_cycles, time.end);
     if (sink_ != nullptr) sink_->load({h, what == operation::load_coefficients, first, words, time});
   }
@@ -127,9 +128,10 @@ class sim_engine {
     const sim::cycle end = issue.end + coordinates_.fill_cycles() + filters_.fill_cycles();
     if (counters_.jobs != 0 && issue.begin > idle_since) stalled({idle_since, issue.begin});
     guard_.computes(h, {issue.begin, end});
+    x.issue = issue;
     // Bursts of the other half that were requested before this start and still stream.
     for (const sim::interval& burst : halves_[int(other(h))].bursts)
-      counters_.hidden_load_cycles += sim::overlap_cycles(burst, {issue.begin, end});
+      counters_.hidden_load_cycles += sim::overlap_cycles(burst, issue);
     x.bursts.clear();
     ++counters_.jobs;
     counters_.pixels += uint64_t(pixels);

@@ -11,7 +11,7 @@ struct counters {
   cycle total_cycles = 0;         // until the last load or compute ends
   cycle load_cycles = 0;          // the loader is busy: latency of bursts that nothing covers, words, coefficients
   cycle compute_cycles = 0;       // the pipeline takes pixels or is held by a bank conflict
-  cycle hidden_load_cycles = 0;   // of load_cycles: while the other half computes
+  cycle hidden_load_cycles = 0;   // of load_cycles: while the pipeline takes pixels of the other half
   cycle stall_cycles = 0;         // the pipeline could take a pixel but waits for loading, from the first start to the last
   uint64_t words_loaded = 0;      // 64-bit words into local memory
   uint64_t fetches = 0;           // 64-bit words out of local memory: one per channel per pixel

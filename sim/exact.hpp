@@ -23,8 +23,8 @@ inline bool in_range(int64_t numerator, int64_t w) {
   return numerator < limit && numerator > -limit;
 }
 
-// |snapped / 2^bits - (numerator / w size_level / size_0 - 1/2)| in texels of a level, from an exact integer difference: at most 25 + 45 + 12
-// bits and 59 + 12 + 9.
+// |snapped / 2^bits - (numerator / w size_level / size_0 - 1/2)| in texels of a level, from an exact integer difference: at most 25 + 45 +
+// 12 bits and 59 + 12 + 9.
 inline double snapped_error(int32_t snapped, int bits, int64_t numerator, int64_t w, int32_t size_level, int32_t size_0) {
   const int128 unit = int128(w) * size_0;
   const int128 difference = (int128(2) * snapped + (int128(1) << bits)) * unit - (int128(numerator) * size_level << (bits + 1));

@@ -162,8 +162,8 @@ sampled_level choose_level(uint64_t seed) {
 }
 
 // A snapped position against its bound (accuracy.hpp snapped_bound).
-bool check_position(const profile& p, const sampled_level& at, coordinate c, int64_t numerator, int64_t w, uint64_t seed, int sx, int sy, int k,
-                    stress_row& row) {
+bool check_position(const profile& p, const sampled_level& at, coordinate c, int64_t numerator, int64_t w, uint64_t seed, int sx, int sy,
+                    int k, stress_row& row) {
   if (at.side == 1) return true;  // position 0 by definition
   const int32_t snapped = blended(c, at.ratio, false, at.level, p);
   const double error = snapped_error(snapped, p.subtexel_bits, numerator, w, at.side, at.side_0);
@@ -187,18 +187,22 @@ bool check_span(const profile& p, const plane& map, int sx, int sy, uint64_t see
     const texel_position at = position_at(span.prof(), c, i, j);
     const bool u_counts = in_range(nu, w), v_counts = in_range(nv, w);
     double worst = 0;
+    // The bound of this span's own reach, not of the largest one.
+    const double bound = double(coordinate_bound(p, p.offset_bits - 1 - c.exponent)) / double(error_unit);
     if (u_counts) worst = coordinate_error(at.u.raw(), nu, w);
     if (v_counts) worst = std::max(worst, coordinate_error(at.v.raw(), nv, w));
     row.evaluations += uint64_t(u_counts) + uint64_t(v_counts);
     note(row.coordinate, worst, seed, sx, sy, k);
-    good = good && worst <= limit.coordinate;
+    good = good && worst <= bound;
+    note(row.share, worst / bound, seed, sx, sy, k);
     if (u_counts) good = check_position(p, sampled, at.u, nu, w, seed, sx, sy, k, row) && good;
     if (v_counts) good = check_position(p, sampled, at.v, nv, w, seed, sx, sy, k, row) && good;
     if (!u_counts || !v_counts || (k % 5) != 0) continue;
     const long double exact = exact_level(map, hx, hy);
     const double computed = double(level_at(span.prof(), c, i, j)) / (1 << p.level_bits);
-    const double error = double(std::fabs(std::clamp(exact, 0.0L, static_cast<long double>(levels_of_interest)) -
-                                          std::clamp(static_cast<long double>(computed), 0.0L, static_cast<long double>(levels_of_interest))));
+    const double error =
+        double(std::fabs(std::clamp(exact, 0.0L, static_cast<long double>(levels_of_interest)) -
+                         std::clamp(static_cast<long double>(computed), 0.0L, static_cast<long double>(levels_of_interest))));
     ++row.levels;
     note(row.level, error, seed, sx, sy, k);
     good = good && error <= limit.level;
@@ -236,7 +240,8 @@ bool check_polygons(uint64_t seed, stress_row& row) {
   const int64_t z_spread = int64_t(1) << r.below(14);
   const auto corner = [&](int32_t x_16, int32_t y_16) {  // at a depth of its own, seen at the pixel position given
     const int32_t z = (1 << 16) + int32_t(r.below(uint32_t(z_spread)));
-    return vertex{int32_t((int64_t(x_16) * z) >> 16), int32_t((int64_t(y_16) * z) >> 16), z, int32_t(r.below(1 << 24)), int32_t(r.below(1 << 24))};
+    return vertex{int32_t((int64_t(x_16) * z) >> 16), int32_t((int64_t(y_16) * z) >> 16), z, int32_t(r.below(1 << 24)),
+                  int32_t(r.below(1 << 24))};
   };
   constexpr int rim_max = 32;
   vertex rim[rim_max];
@@ -286,6 +291,7 @@ void merge(stress_row& into, const stress_row& from) {
   into.levels += from.levels;
   into.polygon_pixels += from.polygon_pixels;
   if (from.coordinate.error > into.coordinate.error) into.coordinate = from.coordinate;
+  if (from.share.error > into.share.error) into.share = from.share;
   if (from.position.error > into.position.error) into.position = from.position;
   if (from.level.error > into.level.error) into.level = from.level;
   if (into.failures == 0) into.first_failure = from.first_failure;
@@ -324,7 +330,8 @@ stress_row run_family(const profile& p, stress_family family, const stress_optio
 
 std::string text_of(const plane& p) {
   char text[600];
-  std::snprintf(text, sizeof text, "Nu = %lld x %+lld y %+lld, Nv = %lld x %+lld y %+lld, W = %lld x %+lld y %+lld about (%d, %d) half pixels",
+  std::snprintf(text, sizeof text,
+                "Nu = %lld x %+lld y %+lld, Nv = %lld x %+lld y %+lld, W = %lld x %+lld y %+lld about (%d, %d) half pixels",
                 static_cast<long long>(p.u.x), static_cast<long long>(p.u.y), static_cast<long long>(p.u.c), static_cast<long long>(p.v.x),
                 static_cast<long long>(p.v.y), static_cast<long long>(p.v.c), static_cast<long long>(p.w.x), static_cast<long long>(p.w.y),
                 static_cast<long long>(p.w.c), p.origin_x, p.origin_y);
@@ -384,7 +391,8 @@ stress_report run_stress(const profile& p, const stress_options& options) {
   if (families.empty())
     for (int k = 0; k < stress_family_count; ++k) families.push_back(stress_family(k));
   const auto begin = std::chrono::steady_clock::now();
-  const auto planes = uint64_t(std::count_if(families.begin(), families.end(), [](stress_family f) { return f != stress_family::polygons; }));
+  const auto planes =
+      uint64_t(std::count_if(families.begin(), families.end(), [](stress_family f) { return f != stress_family::polygons; }));
   const uint64_t share = options.evaluations / std::max<uint64_t>(planes, 1) + 1;
   for (size_t k = 0; k < families.size(); ++k) {
     const auto end = begin + std::chrono::duration_cast<std::chrono::steady_clock::duration>(
@@ -399,15 +407,15 @@ std::string describe_case(const profile& p, stress_family family, uint64_t seed)
   row.family = family;
   const bool good = check_case(p, family, seed, bounds_of(p), row);
   char head[400];
-  std::snprintf(head, sizeof head, "%s case %llu: %s; worst coordinate error %.9f texel (span %d,%d pixel %d), worst level error %.6f\n", name_of(family),
-                static_cast<unsigned long long>(seed), good ? "within bounds" : "FAILS", row.coordinate.error, row.coordinate.span_x,
-                row.coordinate.span_y, row.coordinate.pixel, row.level.error);
+  std::snprintf(head, sizeof head, "%s case %llu: %s; worst coordinate error %.9f texel (span %d,%d pixel %d), worst level error %.6f\n",
+                name_of(family), static_cast<unsigned long long>(seed), good ? "within bounds" : "FAILS", row.coordinate.error,
+                row.coordinate.span_x, row.coordinate.span_y, row.coordinate.pixel, row.level.error);
   if (family == stress_family::polygons) return head;
   int width = 0, height = 0;
   const plane map = stress_plane(family, seed, width, height);
   std::string text = std::string(head) + "plane: " + text_of(map) + "\n";
   if (!good) {
-    const stress_worst& at = row.coordinate.error > bounds_of(p).coordinate ? row.coordinate : row.position.error > 1 ? row.position : row.level;
+    const stress_worst& at = row.share.error > 1 ? row.share : row.position.error > 1 ? row.position : row.level;
     text += "minimal: " + text_of(shrink(p, map, at.span_x, at.span_y, seed)) + "\n";
   }
   return text;

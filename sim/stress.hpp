@@ -43,7 +43,7 @@ struct stress_worst {
 struct stress_row {
   stress_family family;
   uint64_t cases = 0, evaluations = 0, positions = 0, levels = 0, polygon_pixels = 0;
-  stress_worst coordinate, position, level;  // position: snapped, as a share of its bound
+  stress_worst coordinate, share, position, level;  // share: of the coordinate bound of its span; position: snapped, likewise
   uint64_t failures = 0;
   uint64_t first_failure = 0;  // case seed
 };

@@ -3,7 +3,8 @@
 //
 // Assumptions of the table
 //  1. One clock drives everything. VR11: one pixel a clock, all four channels at once.
-//  2. There is one loader port, and loading is sequential (VR11, which does not tell the port's width). The four channels have memories of their
+//  2. There is one loader port, and loading is sequential (VR11, which does not tell the port's width). The four channels have memories of
+//  their
 //     own with a 64-bit word each, read side by side; they are loaded side by side too: four words a clock. With one word a clock VR11's
 //     40-word copy still loads within the 64 clocks of a span, but the 160 words of 16x16 + 8x8 do not (docs/DESIGN.md "Costs").
 //  3. Global texture memory answers a burst (one run of consecutive local words) after burst_start_cycles. Requests queue, as deep as the

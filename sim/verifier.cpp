@@ -47,7 +47,8 @@ struct candidate {
 // Halves the widest of the five intervals.
 void halve(const candidate& c, candidate& a, candidate& b) {
   a = b = c;
-  const std::array<double, 5> width{c.fine.x.half(), c.fine.y.half(), c.two ? c.coarse.x.half() : 0, c.two ? c.coarse.y.half() : 0, c.two ? c.level.half() : 0};
+  const std::array<double, 5> width{c.fine.x.half(), c.fine.y.half(), c.two ? c.coarse.x.half() : 0, c.two ? c.coarse.y.half() : 0,
+                                    c.two ? c.level.half() : 0};
   const auto widest = std::max_element(width.begin(), width.end()) - width.begin();
   const auto part = [&](candidate& k) -> interval& {
     switch (widest) {
@@ -90,7 +91,11 @@ struct place { double u, v; };  // exact, texels of level 0
 class pixel_verifier {
  public:
   pixel_verifier(const texture_view& t, filter kind, const promised_precision& bits)
-      : t_(t), kind_(kind), epsilon_(std::ldexp(1.0, -bits.subtexel_bits)), delta_(std::ldexp(1.0, -bits.level_bits)), threshold_(bits.colour_lsb + 1e-9) {}
+      : t_(t),
+        kind_(kind),
+        epsilon_(std::ldexp(1.0, -bits.subtexel_bits)),
+        delta_(std::ldexp(1.0, -bits.level_bits)),
+        threshold_(bits.colour_lsb + 1e-9) {}
 
   bool accepts(place at, double level, const colour& pixel) const {
     if (kind_ == filter::nearest) return nearest(at, pixel);
@@ -125,7 +130,8 @@ class pixel_verifier {
         const auto part = [&](double centre, int k) {
           return interval{std::clamp(centre - epsilon_ - k, 0.0, 1.0), std::clamp(centre + epsilon_ - k, 0.0, 1.0)};
         };
-        const patch p{{texel(level, x, y), texel(level, x + 1, y), texel(level, x, y + 1), texel(level, x + 1, y + 1)}, part(u, x), part(v, y)};
+        const patch p{
+            {texel(level, x, y), texel(level, x + 1, y), texel(level, x, y + 1), texel(level, x + 1, y + 1)}, part(u, x), part(v, y)};
         if (use(p)) return true;
       }
     return false;
@@ -133,7 +139,10 @@ class pixel_verifier {
 
   bool any_level(place at, int first, int last, const colour& pixel) const {
     for (int l = first; l <= last; ++l)
-      if (each_patch(at, l, [&](const patch& p) { return reachable({p, {}, {0, 0}, false}, uses_three_points(kind_), pixel, threshold_, search_depth); })) return true;
+      if (each_patch(at, l, [&](const patch& p) {
+            return reachable({p, {}, {0, 0}, false}, uses_three_points(kind_), pixel, threshold_, search_depth);
+          }))
+        return true;
     return false;
   }
 

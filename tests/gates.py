@@ -42,6 +42,8 @@ GATES = [
      "one_half& x = halves_[0];\n    SPANTEX_TRY(x.life.may_load());\n    return x.texels", "draw", "*", []),
     ("ownership not checked", "hal/engine.hpp", "if (busy_) return status::half_busy;\n    if (!ready_)", "if (!ready_)", "hal_conformance", "*", ["sim/trace.cpp"]),
     ("W = 0 drawn", F + "coverage.hpp", "if (value > 0) mask |=", "if (value >= 0) mask |=", "coverage", "front_masks*", []),
+    ("vertices snapped downwards", F + "polygon.hpp", "const int64_t n = x * (int64_t(2) << subpixel_bits) + z,", "const int64_t n = x * (int64_t(2) << subpixel_bits),",
+     "polygon", "vertices_snap*", []),
     ("depth test reversed", F + "draw.hpp", "if (z <= stored) continue;", "if (z > stored) continue;", "polygon", "the_nearer*", []),
 ]
 

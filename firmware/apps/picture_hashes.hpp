@@ -43,13 +43,16 @@ struct constant_map {
   }
   // Every texel from the 2x2 above it; an odd last row or column is left out.
   constexpr void reduce(int level) {
-    const int w = level_side(Width, level), h = level_side(Height, level), above = level_side(Width, level - 1), tall = level_side(Height, level - 1);
+    const int w = level_side(Width, level), h = level_side(Height, level), above = level_side(Width, level - 1),
+              tall = level_side(Height, level - 1);
     for (int y = 0; y < h; ++y)
       for (int x = 0; x < w; ++x) {
         const rgba8* from = texels + offset(level - 1);
-        const int x0 = min_of(2 * x, above - 1), x1 = min_of(2 * x + 1, above - 1), y0 = min_of(2 * y, tall - 1), y1 = min_of(2 * y + 1, tall - 1);
+        const int x0 = min_of(2 * x, above - 1), x1 = min_of(2 * x + 1, above - 1), y0 = min_of(2 * y, tall - 1),
+                  y1 = min_of(2 * y + 1, tall - 1);
         const rgba8 a = from[y0 * above + x0], b = from[y0 * above + x1], c = from[y1 * above + x0], d = from[y1 * above + x1];
-        texels[offset(level) + y * w + x] = {mean(a.r, b.r, c.r, d.r), mean(a.g, b.g, c.g, d.g), mean(a.b, b.b, c.b, d.b), mean(a.a, b.a, c.a, d.a)};
+        texels[offset(level) + y * w + x] = {mean(a.r, b.r, c.r, d.r), mean(a.g, b.g, c.g, d.g), mean(a.b, b.b, c.b, d.b),
+                                             mean(a.a, b.a, c.a, d.a)};
       }
   }
   static constexpr uint8_t mean(int a, int b, int c, int d) { return uint8_t((a + b + c + d + 2) / 4); }
@@ -84,9 +87,14 @@ constexpr homography plane_of(picture p) {
 }
 
 // Two crossing quads, one of which passes behind the camera.
-constexpr vertex quads[2][4] = {
-    {{-90000, -60000, 131072, 0, 0}, {90000, -60000, 262144, 32 << 16, 0}, {90000, 70000, 262144, 32 << 16, 32 << 16}, {-90000, 70000, 131072, 0, 32 << 16}},
-    {{-70000, 40000, 262144, -8 << 16, 0}, {80000, 30000, 262144, 24 << 16, 0}, {80000, 60000, -20000, 24 << 16, 64 << 16}, {-70000, 70000, -20000, -8 << 16, 64 << 16}}};
+constexpr vertex quads[2][4] = {{{-90000, -60000, 131072, 0, 0},
+                                 {90000, -60000, 262144, 32 << 16, 0},
+                                 {90000, 70000, 262144, 32 << 16, 32 << 16},
+                                 {-90000, 70000, 131072, 0, 32 << 16}},
+                                {{-70000, 40000, 262144, -8 << 16, 0},
+                                 {80000, 30000, 262144, 24 << 16, 0},
+                                 {80000, 60000, -20000, 24 << 16, 64 << 16},
+                                 {-70000, 70000, -20000, -8 << 16, 64 << 16}}};
 
 struct scratch {
   rgba8 frame[frame_width * frame_height];
@@ -140,7 +148,8 @@ void each_hash(scratch& memory, direct_engine<Prof>& engine, Report report) {
     for (int kind = 0; kind < filter_count; ++kind)
       for (int mode = 0; mode < wrap_count; ++mode)
         for (int odd = 0; odd < 2; ++odd)
-          report(picture(what), filter(kind), wrap(mode), odd != 0, hash_of<Prof>(picture(what), filter(kind), wrap(mode), odd != 0, engine, memory));
+          report(picture(what), filter(kind), wrap(mode), odd != 0,
+                 hash_of<Prof>(picture(what), filter(kind), wrap(mode), odd != 0, engine, memory));
 }
 
 }  // namespace spantex::app

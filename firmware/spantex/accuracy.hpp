@@ -79,7 +79,8 @@ constexpr uint64_t level_bound(const profile& p) {
 // The promises, checked when the library is compiled.
 static_assert(coordinate_bound(profiles::exact) <= error_unit / 512, "exact: coordinates within 1/512 texel");
 static_assert(coordinate_bound(profiles::standard) <= error_unit / 256, "default: coordinates within 1/256 texel");
-static_assert(relative_w_bound({.reciprocal_bits = 12}) < error_unit / 256, "the planner's margin keeps w inside the reciprocal unit's domain");
+static_assert(relative_w_bound({.reciprocal_bits = 12}) < error_unit / 256,
+              "the planner's margin keeps w inside the reciprocal unit's domain");
 static_assert(level_bound(profiles::exact) <= error_unit / 256, "exact: level of detail within 1/256");
 static_assert(level_bound(profiles::standard) <= error_unit / 128, "default: level of detail within 1/128");
 

@@ -158,13 +158,13 @@ class renderer {
     return status::ok;
   }
 
-  // Loads a section unless the half holds it already. A held section serves a smaller box if nothing is clamped to it.
+  // Loads a section unless the half holds it already. A held section serves every box inside it: a box that had
+  // to be clamped is as large as its section, so it is inside only if it is the same one.
   constexpr status load(half h, const texture_view& t, section& at, const texel_box& box, bool coarse) {
     loaded_section& held = held_[int(h)][coarse];
     const bool same_level = held.valid && held.at.level == at.level && held.texture.same_as(t);
     const bool inside = box.u0 >= held.box.u0 && box.v0 >= held.box.v0 && box.u1 <= held.box.u1 && box.v1 <= held.box.v1;
-    const bool same_place = held.at.origin_u == at.origin_u && held.at.origin_v == at.origin_v;
-    if (same_level && inside && (same_place || prof_.get().overflow != overflow_policy::clamp)) {
+    if (same_level && inside) {
       at.origin_u = held.at.origin_u;
       at.origin_v = held.at.origin_v;
       ++counters_.loads_skipped;

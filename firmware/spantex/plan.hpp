@@ -97,34 +97,35 @@ constexpr bool take_sections(const Prof& prof, const texture_view& t, int level,
   return fit;
 }
 
-// Pixels in Morton order: index to bit. Aligned runs of 4^k are squares of side 2^k.
+// Pixels in Morton order: index to bit. Aligned runs of 2^k are rectangles, squares or two squares side by side.
 constexpr int morton_bit(int index) {
   const int x = (index & 1) | ((index >> 1) & 2) | ((index >> 2) & 4);
   const int y = ((index >> 1) & 1) | ((index >> 2) & 2) | ((index >> 3) & 4);
   return y * span_side + x;
 }
 
-// Mask of the square of side 2^k that begins at a Morton index.
-constexpr span_mask square_mask(int index, int side) {
-  const int first = morton_bit(index);
+// Mask of the aligned run of `count` pixels that begins at a Morton index; count a power of two.
+constexpr span_mask run_mask(int index, int count) {
+  const int first = morton_bit(index), last = morton_bit(index + count - 1);
+  const int width = last % span_side - first % span_side + 1, height = last / span_side - first / span_side + 1;
   span_mask mask = 0;
-  for (int j = 0; j < side; ++j) mask |= ((span_mask(1) << side) - 1) << (first + j * span_side);
-  return side == span_side ? full_mask : mask;
+  for (int j = 0; j < height; ++j) mask |= span_mask((1u << width) - 1) << (first + j * span_side);
+  return mask;
 }
 
-// Emits the largest aligned squares of the job's mask whose sections fit. A single pixel always does.
+// Emits the largest aligned runs of the job's mask whose sections fit. A single pixel always does.
 template <class Prof, class Sink>
 constexpr status split_job(const Prof& prof, const texture_view& t, int level, bool two_levels, const span_job& whole, Sink& sink) {
   span_job part = whole;
-  for (int index = 0, side = span_side; index < span_pixel_count;) {
-    part.mask = whole.mask & square_mask(index, side);
+  for (int index = 0, count = span_pixel_count; index < span_pixel_count;) {
+    part.mask = whole.mask & run_mask(index, count);
     if (part.mask != 0) {
-      if (!take_sections(prof, t, level, two_levels, part) && side > 1) { side /= 2; continue; }
+      if (!take_sections(prof, t, level, two_levels, part) && count > 1) { count /= 2; continue; }
       SPANTEX_TRY(sink(part));
       part.divides = 0;
     }
-    index += side * side;
-    while (side < span_side && index % (4 * side * side) == 0) side *= 2;
+    index += count;
+    while (count < span_pixel_count && index % (2 * count) == 0) count *= 2;
   }
   return status::ok;
 }
@@ -151,7 +152,8 @@ constexpr status emit_level(const Prof& prof, const texture_view& t, int level, 
 
 // The level a whole span shares (level_scope::span): that of its reference point, where w = 1.
 constexpr int32_t reference_level(const profile& q, const span_coefficients& c) {
-  const int32_t term = c.level_row[span_side / 2] > c.level_column[span_side / 2] ? c.level_row[span_side / 2] : c.level_column[span_side / 2];
+  const int32_t term =
+      c.level_row[span_side / 2] > c.level_column[span_side / 2] ? c.level_row[span_side / 2] : c.level_column[span_side / 2];
   const int32_t level = shift_right(term * (1 << (16 - level_term_bits)) + q.level_bias * (1 << 12), 16 - q.level_bits);
   return clamp_to(level, 0, int32_t(c.last_level) << q.level_bits);
 }

@@ -51,7 +51,8 @@ struct plane {
 };
 
 // Homogeneous coefficients before normalisation: u = (a x + b y + c)/(g x + h y + i), v = (d x + e y + f)/(...), x and y in
-// pixels, origin top left. Only ratios matter, and the sign: a point is in front where g x + h y + i > 0. |c|, |f|, |i| < 2^122, the others < 2^110.
+// pixels, origin top left. Only ratios matter, and the sign: a point is in front where g x + h y + i > 0. |c|, |f|, |i| < 2^122, the others
+// < 2^110.
 struct homography {
   wide a, b, c, d, e, f, g, h, i;
 };

@@ -3,7 +3,7 @@
 """The HAL costs nothing: on Cortex-M0+ a span loop through the span_engine concept and the direct engine has no more code than the
 same loop written by hand (tests/static). Judged with the size-minded options, and at -O2 with the datapath kept a function of its own, so
 that it is the loop that is compared; where all of it melts into one function of 3 KB, chance in register allocation moves the total by some
-percent either way: that number is printed, not judged. Skipped, saying so, where arm-none-eabi-g++ is not installed."""
+percent either way: there 2 % are allowed. Skipped, saying so, where arm-none-eabi-g++ is not installed."""
 import pathlib
 import shutil
 import subprocess
@@ -20,7 +20,7 @@ def run(*command):
 
 
 JUDGED = (["-Os"], ["-O2", "-fno-inline-functions-called-once"])
-PRINTED = (["-O2"],)
+INLINED = (["-O2"],)
 
 
 def text_bytes(source, options, folder):
@@ -35,10 +35,11 @@ def main():
         return 0
     failed = False
     with tempfile.TemporaryDirectory() as folder:
-        for options in (*JUDGED, *PRINTED):
+        for options in (*JUDGED, *INLINED):
             concept, by_hand = (text_bytes(s, options, folder) for s in ("span_loop_concept", "span_loop_by_hand"))
             print(f"{' '.join(options)}: {concept} bytes through the concept, {by_hand} by hand")
-            failed = failed or (options in JUDGED and concept > by_hand)
+            # Inlined altogether the compiler lays registers out anew: 2 % either way is noise of that, not a cost of the contract.
+            failed = failed or concept > by_hand * (1 if options in JUDGED else 1.02)
     return 1 if failed else 0
 
 

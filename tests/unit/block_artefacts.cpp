@@ -61,8 +61,8 @@ SPANTEX_CASE(seed_shows_its_spans) {
   for (int k : {tilted, grazing}) {
     const step_error level = against<seed_without_clamp, seed_without_spans>(k, filter::trilinear);
     const step_error both = against<profiles::seed, seed_without_spans>(k, filter::trilinear);
-    std::fprintf(stderr, "# plane %d, one level a span: %.3f units across span borders, %.3f inside; with the clamp: %.3f, %.3f\n", k, level.across,
-                 level.inside, both.across, both.inside);
+    std::fprintf(stderr, "# plane %d, one level a span: %.3f units across span borders, %.3f inside; with the clamp: %.3f, %.3f\n", k,
+                 level.across, level.inside, both.across, both.inside);
     assert_true(level.across < 0.1 && level.inside < 0.1);
     assert_true(both.across > 2 * both.inside && both.across > level.across);
   }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Nothing in set-up, drawing or the direct engine allocates: malloc, calloc, realloc and operator new are counted while every filter,
 // profile and wrap mode draws planes and polygons.
+#include <sim/figures.hpp>
+
 #include <tests/support.hpp>
 
 using namespace spantex;
@@ -82,6 +84,43 @@ SPANTEX_CASE(planes_from_a_camera_are_set_up_without_allocating) {
   assert_int_equal(allocations, 0);
 }
 
+// Every scene that the command knows by name, every profile: the scene is made before, drawing happens inside the trap.
+template <profile P>
+static void check_scenes() {
+  static direct_engine<fixed_profile<P>> engine;
+  static picture out;
+  static std::vector<uint32_t> depth;
+  constexpr screen_size size{320, 240};
+  for (const std::string& name : scene_names()) {
+    scene_request request;
+    request.size = size;
+    static scene s;
+    s = make_named_scene(name, request);
+    out.reset(size.width_px, size.height_px);
+    depth.assign(out.pixels.size(), 0);
+    for (filter kind : {filter::bilinear, filter::trilinear}) {
+      allocation_trap::begin();
+      renderer<direct_engine<fixed_profile<P>>, fixed_profile<P>> r(engine, {}, out.frame());
+      status result = status::ok;
+      for (const drawable& item : s.items) {
+        const status drawn = item.is_polygon ? r.draw(item.shape, s.texture(item), kind, {depth.data()})
+                                             : r.draw(item.shape.map, s.texture(item), kind, out.area());
+        if (drawn != status::ok) result = drawn;
+      }
+      if (r.finish() != status::ok) result = status::device_error;
+      const uint64_t allocations = allocation_trap::end();
+      SPANTEX_ASSERT_OK(result);
+      assert_int_equal(allocations, 0);
+    }
+  }
+}
+SPANTEX_CASE(every_scene_draws_without_allocating) {
+  check_scenes<profiles::seed>();
+  check_scenes<profiles::compact>();
+  check_scenes<profiles::standard>();
+  check_scenes<profiles::exact>();
+}
+
 // The trap itself works: each way to allocate is seen.
 SPANTEX_CASE(the_trap_sees_every_way_to_allocate) {
   if (short_run()) skip();  // the address sanitizer puts its own allocator in front of the trap
@@ -101,6 +140,7 @@ SPANTEX_CASE(the_trap_sees_every_way_to_allocate) {
 
 int main() {
   const CMUnitTest tests[] = {
+      cmocka_unit_test(every_scene_draws_without_allocating),
       cmocka_unit_test(the_trap_sees_every_way_to_allocate),
       cmocka_unit_test(seed_draws_without_allocating),
       cmocka_unit_test(compact_draws_without_allocating),

@@ -331,8 +331,25 @@ SPANTEX_CASE(intersecting_polygons_part_along_their_line) {
   assert_true(reds > 100000 && blues > 100000);
 }
 
+// floor(256 x / z + 1/2): the nearest 256th of a pixel, halves up, for both signs.
+SPANTEX_CASE(vertices_snap_to_the_nearest_256th_halves_up) {
+  random_source random(21);
+  for (int k = 0; k < 1000000; ++k) {
+    const int64_t z = 1 + int64_t(magnitude(random.any_magnitude(31)));
+    int64_t x = random.between(-16000, 16000) * z + random.between(0, z - 1);
+    if (k % 4 == 0) x = (random.between(-4000000, 4000000) * 2 + 1) * z / 512;  // on a tie where z is a multiple of 512, else next to one
+    const int64_t snapped = spantex::detail::snapped(x, z);
+    // snapped - 1/2 <= 256 x / z < snapped + 1/2
+    assert_true(int128(2 * snapped - 1) * z <= int128(512) * x && int128(512) * x < int128(2 * snapped + 1) * z);
+  }
+  assert_int_equal(spantex::detail::snapped(1, 512), 1);
+  assert_int_equal(spantex::detail::snapped(-1, 512), 0);
+  assert_int_equal(spantex::detail::snapped(int64_t(1) << 44, 1), int64_t(guard_px) << subpixel_bits);
+}
+
 int main() {
   const CMUnitTest tests[] = {
+      cmocka_unit_test(vertices_snap_to_the_nearest_256th_halves_up),
       cmocka_unit_test(a_floor_of_triangles_that_passes_below_and_behind_the_viewer_has_no_gap_and_no_overlap),
       cmocka_unit_test(a_floor_of_quadrilaterals_has_no_gap_and_no_overlap),
       cmocka_unit_test(convex_polygons_that_share_edges_draw_every_pixel_once),

@@ -123,7 +123,7 @@ SPANTEX_CASE(one_word_a_clock_is_too_narrow_for_larger_local_memory) {
   assert_true(narrow.load_cycles > narrow.compute_cycles);
   // The port is the bottleneck and never rests: nothing is lost to the order of operations.
   assert_true(double(narrow.load_cycles) >= 0.99 * double(narrow.total_cycles));
-  assert_true(narrow.hidden_load_cycles >= narrow.compute_cycles);
+  assert_true(double(narrow.hidden_load_cycles) >= 0.99 * double(narrow.compute_cycles));
 }
 
 SPANTEX_CASE(second_half_hides_loading_on_the_tilted_plane_in_the_default_profile) {
@@ -186,7 +186,7 @@ SPANTEX_CASE(times_of_a_job_worked_out_by_hand) {
   assert_int_equal(trace.computes[0].end, 35);
   assert_int_equal(trace.computes[1].issue.begin, 38);
   assert_int_equal(engine.counters().load_cycles, 38);
-  assert_int_equal(engine.counters().hidden_load_cycles, 14);  // cycles 21 to 35
+  assert_int_equal(engine.counters().hidden_load_cycles, 3);   // cycles 21 to 24
   assert_int_equal(engine.counters().stall_cycles, 14);        // cycles 24 to 38
   assert_int_equal(engine.counters().total_cycles, 50);
   assert_int_equal(engine.counters().words_loaded, 4);
@@ -200,7 +200,7 @@ SPANTEX_CASE(counters_agree_with_a_count_cycle_by_cycle) {
   static sim_engine<standard_profile> engine({}, {}, &trace);
   const draw_counters drawn = draw<standard_profile>(engine, sample_plane(tilted), filter::trilinear);
   const sim::counters& c = engine.counters();
-  static std::vector<uint8_t> loading, computing[half_count], issuing;  // loading: 1 + half
+  static std::vector<uint8_t> loading, computing[half_count], issuing;  // loading, issuing: 1 + half
   for (std::vector<uint8_t>* v : {&loading, &computing[0], &computing[1], &issuing}) v->assign(c.total_cycles, 0);
   int clashes = 0;
   const auto paint = [&](std::vector<uint8_t>& v, interval t, int value) {
@@ -211,18 +211,18 @@ SPANTEX_CASE(counters_agree_with_a_count_cycle_by_cycle) {
   };
   for (const load_record& r : trace.loads) paint(loading, r.time, 1 + int(r.target));
   for (const compute_record& r : trace.computes) {
-    paint(issuing, r.issue, 1);
+    paint(issuing, r.issue, 1 + int(r.target));
     paint(computing[int(r.target)], {r.issue.begin, r.end}, 1);
   }
   assert_int_equal(clashes, 0);
   assert_true(trace.in_order);
   cycle loads = 0, hidden = 0, issues = 0, stalls = 0, owned_twice = 0;
   for (cycle k = 0; k < c.total_cycles; ++k) {
-    issues += issuing[k];
+    issues += issuing[k] != 0 ? 1 : 0;
     if (k > trace.computes.front().issue.begin && k < trace.computes.back().issue.begin && issuing[k] == 0) ++stalls;
     if (loading[k] == 0) continue;
     ++loads;
-    hidden += computing[2 - loading[k]][k];
+    hidden += issuing[k] == 3 - loading[k] ? 1 : 0;
     owned_twice += computing[loading[k] - 1][k];
   }
   assert_int_equal(owned_twice, 0);

@@ -67,7 +67,9 @@ double ideal_bilinear(const texture_view& t, int level, double u, double v, uint
   u = u * t.width(level) / t.width() - 0.5;
   v = v * t.height(level) / t.height() - 0.5;
   const double x = std::floor(u), y = std::floor(v), fx = u - x, fy = v - y;
-  const auto texel = [&](int i, int j) { return double(t.texel(level, t.wrapped_u(int(x) + i, level), t.wrapped_v(int(y) + j, level)).*channel); };
+  const auto texel = [&](int i, int j) {
+    return double(t.texel(level, t.wrapped_u(int(x) + i, level), t.wrapped_v(int(y) + j, level)).*channel);
+  };
   return (1 - fy) * ((1 - fx) * texel(0, 0) + fx * texel(1, 0)) + fy * ((1 - fx) * texel(0, 1) + fx * texel(1, 1));
 }
 
@@ -123,7 +125,8 @@ double worst_excess() {
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x)
       for (int c = 0; c < 3; ++c)
-        worst = std::max(worst, std::abs(double(now.drawn[y][x][c]) - before.drawn[y][x][c]) - std::abs(now.ideal[y][x][c] - before.ideal[y][x][c]));
+        worst = std::max(
+            worst, std::abs(double(now.drawn[y][x][c]) - before.drawn[y][x][c]) - std::abs(now.ideal[y][x][c] - before.ideal[y][x][c]));
   return worst;
 }
 

@@ -63,9 +63,16 @@ nlohmann::json to_json(const stress_arguments& a, const sim::stress_report& r) {
   nlohmann::json rows = nlohmann::json::array();
   const auto worst = [](const sim::stress_worst& w) { return nlohmann::json{{"error", w.error}, {"case", w.case_seed}}; };
   for (const sim::stress_row& row : r.rows)
-    rows.push_back({{"family", sim::name_of(row.family)}, {"cases", row.cases}, {"coordinate_evaluations", row.evaluations},
-                    {"snapped_positions", row.positions}, {"level_evaluations", row.levels}, {"polygon_pixels", row.polygon_pixels}, {"worst_coordinate", worst(row.coordinate)},
-                    {"worst_position_share_of_bound", worst(row.position)}, {"worst_level", worst(row.level)}, {"failures", row.failures}});
+    rows.push_back({{"family", sim::name_of(row.family)},
+                    {"cases", row.cases},
+                    {"coordinate_evaluations", row.evaluations},
+                    {"snapped_positions", row.positions},
+                    {"level_evaluations", row.levels},
+                    {"polygon_pixels", row.polygon_pixels},
+                    {"worst_coordinate", worst(row.coordinate)},
+                    {"worst_position_share_of_bound", worst(row.position)},
+                    {"worst_level", worst(row.level)},
+                    {"failures", row.failures}});
   return {{"profile", a.profile}, {"seed", a.seed}, {"complete", r.complete}, {"coordinate_bound_texels", r.coordinate_bound},
           {"level_bound", r.level_bound}, {"families", rows}};
 }
@@ -73,13 +80,14 @@ nlohmann::json to_json(const stress_arguments& a, const sim::stress_report& r) {
 void print_table(const stress_arguments& a, const sim::stress_report& r) {
   printf("profile %s, seed %llu: coordinate within %s texel, level within %s\n", a.profile.c_str(), static_cast<unsigned long long>(a.seed),
          fraction(r.coordinate_bound).c_str(), fraction(r.level_bound).c_str());
-  printf("%-16s %9s %12s %10s %10s %10s %9s  %s\n", "family", "cases", "evaluations", "worst u,v", "snapped", "level", "failures", "case of the worst u,v");
+  printf("%-16s %9s %12s %10s %10s %10s %10s %9s  %s\n", "family", "cases", "evaluations", "worst u,v", "of bound", "snapped", "level",
+         "failures", "case of the worst u,v");
   for (const sim::stress_row& row : r.rows)
-    printf("%-16s %9llu %12llu %10s %8.1f %% %10s %9llu  %llu\n", sim::name_of(row.family), static_cast<unsigned long long>(row.cases),
-           static_cast<unsigned long long>(row.evaluations + row.polygon_pixels), fraction(row.coordinate.error).c_str(), 100 * row.position.error,
-           fraction(row.level.error).c_str(), static_cast<unsigned long long>(row.failures),
-           static_cast<unsigned long long>(row.coordinate.case_seed));
-  printf("snapped: positions on levels of maps 1..4096, worst share of their bound\n");
+    printf("%-16s %9llu %12llu %10s %8.1f %% %8.1f %% %10s %9llu  %llu\n", sim::name_of(row.family),
+           static_cast<unsigned long long>(row.cases), static_cast<unsigned long long>(row.evaluations + row.polygon_pixels),
+           fraction(row.coordinate.error).c_str(), 100 * row.share.error, 100 * row.position.error, fraction(row.level.error).c_str(),
+           static_cast<unsigned long long>(row.failures), static_cast<unsigned long long>(row.coordinate.case_seed));
+  printf("of bound: the worst share of the bound for the reach of its span; snapped: of positions on levels of maps 1..4096\n");
   if (!r.complete) printf("stopped by --seconds before all evaluations were made\n");
 }
 
@@ -113,7 +121,8 @@ int run(const stress_arguments& a) {
 
 void add_stress_command(CLI::App& app) {
   const auto a = std::make_shared<stress_arguments>();
-  CLI::App& sub = *app.add_subcommand("stress", "texture coordinates, levels and coverage against exact arithmetic; exit code 1 if a bound breaks");
+  CLI::App& sub =
+      *app.add_subcommand("stress", "texture coordinates, levels and coverage against exact arithmetic; exit code 1 if a bound breaks");
   sub.add_option("--profile", a->profile, "seed, compact, default, exact")->capture_default_str();
   sub.add_option("--evaluations", a->evaluations, "texture coordinates to evaluate")->capture_default_str();
   sub.add_option("--seed", a->seed, "of the whole run")->capture_default_str();
