@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A texture map in global texture memory: levels 0..n-1 of RGBA8888 texels, rows from the top, level L of size
+// A texture map in global texture memory: levels 0..n-1 of texels (texel.hpp: RGBA8888 or a 16-bit format), rows from the top, level L of size
 // max(1, floor(size / 2^L)). The view owns nothing and is validated once, when it is made; kernels trust it.
 #pragma once
 #include <stdint.h>
@@ -7,6 +7,7 @@
 #include <spantex/bits.hpp>
 #include <spantex/span.hpp>
 #include <spantex/status.hpp>
+#include <spantex/texel.hpp>
 #include <spantex/wrap.hpp>
 
 namespace spantex {
@@ -24,21 +25,28 @@ class texture_view {
   // 1..floor(log2(larger side)) + 1), bad_pointer.
   static constexpr status make(const rgba8* const* levels, int level_count, int32_t width, int32_t height,
                                wrap wrap_u, wrap wrap_v, texture_view& out) {
-    if (width < 1 || height < 1 || width > max_texture_side || height > max_texture_side) return status::bad_size;
-    if (level_count < 1 || level_count > bit_length(uint64_t(max_of(width, height)))) return status::bad_levels;
+    SPANTEX_TRY(check_shape(level_count, width, height));
     texture_view t;
     for (int k = 0; k < level_count; ++k) {
       if (levels[k] == nullptr) return status::bad_pointer;
       t.levels_[k] = levels[k];
-      t.ratio_u_[k] = ratio(width, k);
-      t.ratio_v_[k] = ratio(height, k);
     }
-    t.width_ = width;
-    t.height_ = height;
-    t.level_count_ = uint8_t(level_count);
-    t.wrap_u_ = wrap_u;
-    t.wrap_v_ = wrap_v;
-    out = t;
+    out = shaped(t, level_count, width, height, wrap_u, wrap_v);
+    return status::ok;
+  }
+
+  // The same for a 16-bit format. Errors: also out_of_range for rgba8888, whose texels are not 16-bit numbers.
+  static constexpr status make(texel_format format, const uint16_t* const* levels, int level_count, int32_t width, int32_t height,
+                               wrap wrap_u, wrap wrap_v, texture_view& out) {
+    if (format == texel_format::rgba8888) return status::out_of_range;
+    SPANTEX_TRY(check_shape(level_count, width, height));
+    texture_view t;
+    for (int k = 0; k < level_count; ++k) {
+      if (levels[k] == nullptr) return status::bad_pointer;
+      t.packed_[k] = levels[k];
+    }
+    t.format_ = format;
+    out = shaped(t, level_count, width, height, wrap_u, wrap_v);
     return status::ok;
   }
 
@@ -57,15 +65,38 @@ class texture_view {
   constexpr int32_t wrapped_v(int32_t k, int level) const { return wrapped(wrap_v_, k, height(level)); }
 
   // x and y already wrapped.
-  constexpr rgba8 texel(int level, int32_t x, int32_t y) const { return levels_[level][y * width(level) + x]; }
+  constexpr rgba8 texel(int level, int32_t x, int32_t y) const {
+    const int32_t index = y * width(level) + x;
+    return format_ == texel_format::rgba8888 ? levels_[level][index] : unpack(format_, packed_[level][index]);
+  }
+  constexpr texel_format format() const { return format_; }
 
   // Two views of the same map (for reuse of what is loaded).
   constexpr bool same_as(const texture_view& o) const {
-    return levels_[0] == o.levels_[0] && level_count_ == o.level_count_ && width_ == o.width_ && height_ == o.height_ &&
+    return levels_[0] == o.levels_[0] && packed_[0] == o.packed_[0] && format_ == o.format_ && level_count_ == o.level_count_ && width_ == o.width_ && height_ == o.height_ &&
            wrap_u_ == o.wrap_u_ && wrap_v_ == o.wrap_v_;
   }
 
  private:
+  static constexpr status check_shape(int level_count, int32_t width, int32_t height) {
+    if (width < 1 || height < 1 || width > max_texture_side || height > max_texture_side) return status::bad_size;
+    if (level_count < 1 || level_count > bit_length(uint64_t(max_of(width, height)))) return status::bad_levels;
+    return status::ok;
+  }
+
+  static constexpr texture_view shaped(texture_view t, int level_count, int32_t width, int32_t height, wrap wrap_u, wrap wrap_v) {
+    for (int k = 0; k < level_count; ++k) {
+      t.ratio_u_[k] = ratio(width, k);
+      t.ratio_v_[k] = ratio(height, k);
+    }
+    t.width_ = width;
+    t.height_ = height;
+    t.level_count_ = uint8_t(level_count);
+    t.wrap_u_ = wrap_u;
+    t.wrap_v_ = wrap_v;
+    return t;
+  }
+
   // A side that has shrunk to 1 has no ratio to keep: the position on it is always texel 0.
   static constexpr uint32_t ratio(int32_t side, int level) {
     const uint64_t scaled = uint64_t(level_side(side, level)) << (31 + level);
@@ -73,10 +104,12 @@ class texture_view {
     return r > (uint64_t(1) << 31) ? uint32_t(1) << 31 : uint32_t(r);
   }
 
-  const rgba8* levels_[max_levels] = {};
+  const rgba8* levels_[max_levels] = {};     // rgba8888
+  const uint16_t* packed_[max_levels] = {};  // the other formats
   uint32_t ratio_u_[max_levels] = {}, ratio_v_[max_levels] = {};
   int32_t width_ = 0, height_ = 0;
   uint8_t level_count_ = 0;
+  texel_format format_ = texel_format::rgba8888;
   wrap wrap_u_ = wrap::repeat, wrap_v_ = wrap::repeat;
 };
 
