@@ -121,9 +121,12 @@ double draw_once(const scene& s, const draw_options& o, const std::vector<band>&
   const double ns = std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now() - begun).count();
   result.work = {};
   result.machine = {};
+  result.machines = int(bands.size());
+  result.cycles_of_all_machines = 0;
   for (const band_counts& c : counts) {
     add(result.work, c.work);
     add(result.machine, c.machine);
+    result.cycles_of_all_machines += c.machine.total_cycles;
   }
   return ns;
 }

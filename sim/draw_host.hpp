@@ -56,6 +56,8 @@ struct draw_result {
   image picture;
   draw_counters work;                // of one repetition, summed over the threads
   counters machine;                  // engine sim: summed, total_cycles the longest
+  int machines = 0;                  // engines, one per thread that had a row of spans
+  cycle cycles_of_all_machines = 0;  // engine sim: total_cycles, summed
   double ns_per_pixel = 0;           // median; from coefficients and prepared maps in memory to pixels in memory
 };
 

@@ -18,6 +18,10 @@ namespace fs = std::filesystem;
   throw input_error(path + ": " + what + ": " + strerror(error));
 }
 
+[[noreturn]] void too_large(const std::string& path) {
+  throw input_error(path + ": cannot read: larger than " + std::to_string(max_file_bytes >> 20) + " MiB");
+}
+
 // An open file that closes itself, and removes its path unless kept.
 class descriptor {
  public:
@@ -43,6 +47,15 @@ class descriptor {
   int fd_ = -1, error_ = 0;
   bool temporary_;
 };
+
+// 0 for what has no size before it is read: pipes, devices.
+size_t regular_size(const descriptor& in) {
+  struct stat about;
+  if (fstat(in.number(), &about) != 0) fail(in.path(), "cannot read", errno);
+  if (!S_ISREG(about.st_mode)) return 0;
+  if (about.st_size > off_t(max_file_bytes)) too_large(in.path());
+  return size_t(about.st_size);
+}
 
 // Where a path leads: links followed, so that a link stays a link when its target is replaced.
 fs::path resolved(const std::string& path) {
@@ -72,16 +85,26 @@ void write_all(int fd, const uint8_t* data, size_t size, const std::string& path
 
 }  // namespace
 
+bool same_output(const std::string& a, const std::string& b) {
+  const fs::path p = resolved(a), q = resolved(b);
+  if (is_special(p) || is_special(q)) return false;
+  std::error_code error;
+  const fs::path whole_p = fs::weakly_canonical(p, error), whole_q = fs::weakly_canonical(q, error);
+  return whole_p.empty() || whole_q.empty() ? p == q : fs::absolute(whole_p, error) == fs::absolute(whole_q, error);
+}
+
 bytes read_file(const std::string& path) {
   const descriptor in(path, O_RDONLY, false);
   if (!in.good()) fail(path, "cannot read", in.error());
   bytes data;
+  data.reserve(regular_size(in));
   uint8_t block[65536];
   for (;;) {
     const ssize_t n = ::read(in.number(), block, sizeof block);
     if (n < 0 && errno == EINTR) continue;
     if (n < 0) fail(path, "cannot read", errno);
     if (n == 0) return data;
+    if (data.size() + size_t(n) > max_file_bytes) too_large(path);
     data.insert(data.end(), block, block + n);
   }
 }

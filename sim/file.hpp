@@ -17,7 +17,9 @@ struct input_error : std::runtime_error {
 
 using bytes = std::vector<uint8_t>;
 
-// Throws input_error: missing, a directory, unreadable.
+inline constexpr size_t max_file_bytes = size_t(512) << 20;
+
+// Throws input_error: missing, a directory, unreadable, more than max_file_bytes (an endless device is read no further).
 bytes read_file(const std::string& path);
 
 // A file that a long computation will write. Construction checks that it can be written and leaves nothing behind, so that a bad
@@ -36,5 +38,8 @@ class output_file {
  private:
   std::string path_;
 };
+
+// Whether writing both would replace one file twice: the same path after links and dots. Devices and pipes take any number.
+bool same_output(const std::string& a, const std::string& b);
 
 }  // namespace spantex::sim

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <string_view>
 #include <utility>
 
 namespace spantex::sim {
@@ -122,29 +123,71 @@ world_face to_face(const aiMesh& mesh, const aiFace& f, const texture_map& map, 
   return out;
 }
 
+// Assimp only logs a material library that it cannot open, and goes on in gray. It looks beside the model for the name to the line's end,
+// then for the model's own name with .mtl.
+void check_material_libraries(const std::string& path, std::string_view text) {
+  if (lower(fs::path(path).extension().string()) != ".obj") return;
+  constexpr std::string_view blanks = " \t\r", keyword = "mtllib";
+  std::error_code ignored;
+  if (fs::exists(fs::path(path).replace_extension("mtl"), ignored)) return;
+  for (size_t at = 0; at < text.size();) {
+    const size_t end = std::min(text.find('\n', at), text.size());
+    std::string_view line = text.substr(at, end - at);
+    at = end + 1;
+    line.remove_prefix(std::min(line.find_first_not_of(blanks), line.size()));
+    if (!line.starts_with(keyword) || line.size() == keyword.size() || blanks.find(line[keyword.size()]) == line.npos) continue;
+    line.remove_prefix(std::min(line.find_first_not_of(blanks, keyword.size()), line.size()));
+    std::string name(line.substr(0, line.find_last_not_of(blanks) + 1));
+    std::replace(name.begin(), name.end(), '\\', '/');
+    if (!name.empty() && !fs::exists(fs::path(path).parent_path() / name, ignored))
+      throw input_error(path + ": material library '" + one_line(name) + "' not found");
+  }
+}
+
+// Before meshes are joined, so that they still have their names.
+void check_coordinates(const aiScene& file, const std::string& path) {
+  bool any = false, any_face = false;
+  for (unsigned k = 0; k < file.mNumMeshes; ++k) {
+    const aiMesh& mesh = *file.mMeshes[k];
+    if ((mesh.mPrimitiveTypes & (aiPrimitiveType_TRIANGLE | aiPrimitiveType_POLYGON)) == 0) continue;
+    const aiMaterial& material = *file.mMaterials[mesh.mMaterialIndex];
+    const bool textured = material.GetTextureCount(aiTextureType_DIFFUSE) + material.GetTextureCount(aiTextureType_BASE_COLOR) > 0;
+    if (textured && !mesh.HasTextureCoords(0))
+      throw input_error(path + ": mesh " + std::to_string(k) + " '" + one_line(mesh.mName.C_Str()) +
+                        "' has a texture but no texture coordinates");
+    any_face = true;
+    any |= mesh.HasTextureCoords(0);
+  }
+  if (!any_face) throw input_error(path + ": model has no faces");
+  if (!any) throw input_error(path + ": model has no texture coordinates");
+}
+
+const aiScene& processed(Assimp::Importer& importer, const aiScene* file, const std::string& path) {
+  if (file != nullptr) return *file;
+  throw input_error(path + ": cannot read model: " + one_line(importer.GetErrorString()));
+}
+
 }  // namespace
 
 world load_model(const std::string& path, const model_options& options) {
-  read_file(path);  // says why, where assimp would only say that it cannot
+  const bytes text = read_file(path);  // says why, where assimp would only say that it cannot
+  check_material_libraries(path, {reinterpret_cast<const char*>(text.data()), text.size()});
   Assimp::Importer importer;
-  const aiScene* file = importer.ReadFile(path, aiProcess_Triangulate | aiProcess_PreTransformVertices | aiProcess_SortByPType |
-                                                    aiProcess_GenUVCoords | aiProcess_TransformUVCoords);
-  if (file == nullptr) throw input_error(path + ": cannot read model: " + one_line(importer.GetErrorString()));
+  check_coordinates(processed(importer, importer.ReadFile(path, aiProcess_GenUVCoords | aiProcess_TransformUVCoords), path), path);
+  const unsigned flat = aiProcess_Triangulate | aiProcess_PreTransformVertices | aiProcess_SortByPType;
+  const aiScene* const file = &processed(importer, importer.ApplyPostProcessing(flat), path);
   world w{path, nullptr, {}, {}, 0};
   map_list maps;
   for (unsigned k = 0; k < file->mNumMaterials; ++k) maps.push_back(material_map(*file, *file->mMaterials[k], path, options));
-  bool any_coordinates = false;
   for (unsigned k = 0; k < file->mNumMeshes; ++k) {
     const aiMesh& mesh = *file->mMeshes[k];
     if ((mesh.mPrimitiveTypes & aiPrimitiveType_TRIANGLE) == 0) continue;
-    any_coordinates |= mesh.HasTextureCoords(0) && mesh.mNumFaces > 0;
     for (unsigned n = 0; n < mesh.mNumFaces; ++n)
       w.faces.push_back(to_face(mesh, mesh.mFaces[n], maps.at(mesh.mMaterialIndex), path));
   }
-  if (w.faces.empty()) throw input_error(path + ": model has no faces");
-  if (!any_coordinates) throw input_error(path + ": model has no texture coordinates");
   w.maps = std::make_shared<const map_list>(std::move(maps));
   w.measure();
+  if (!w.has_area()) throw input_error(path + ": nothing to draw: no face has an area");
   return w;
 }
 

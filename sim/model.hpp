@@ -19,7 +19,8 @@ struct model_options {
   std::optional<wrap> wrap_u, wrap_v;  // instead of the material's
 };
 
-// Throws input_error: unreadable file, no faces, no face with texture coordinates, a texture that is missing or unreadable.
+// Throws input_error: unreadable file, no face that has an area, no texture coordinates at all or none in a mesh with a texture, a
+// texture that is missing or unreadable, a missing material library of an OBJ file.
 world load_model(const std::string& path, const model_options& options);
 
 }  // namespace spantex::sim

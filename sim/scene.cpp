@@ -4,6 +4,22 @@
 #include <math.h>
 
 namespace spantex::sim {
+namespace {
+
+// The engine's own plane, for one so nearly edge-on that doubles find no other: what is drawn is decided by integers alone.
+matrix matrix_of(const plane& p) {
+  matrix m;
+  const linear_form* const forms[3] = {&p.u, &p.v, &p.w};
+  for (size_t k = 0; k < 3; ++k) {
+    const linear_form& f = *forms[k];
+    m[3 * k] = 2 * double(f.x);
+    m[3 * k + 1] = 2 * double(f.y);
+    m[3 * k + 2] = double(f.c) - double(f.x) * p.origin_x - double(f.y) * p.origin_y;
+  }
+  return m;
+}
+
+}  // namespace
 
 int32_t to_fixed(double x, int fraction_bits) {
   const double scaled = ldexp(x, fraction_bits);
@@ -23,9 +39,7 @@ void add_polygon(scene& s, const lens& view, const vertex* vertices, int count, 
   const status made = make_polygon(vertices, count, view.camera, view.clip, item.shape);
   if (made == status::degenerate) return;
   if (made != status::ok) throw input_error(s.name + ": polygon: " + to_string(made));
-  const std::optional<matrix> ideal = matrix_of(vertices, count, view.camera);
-  if (!ideal) return;
-  item.ideal = *ideal;
+  item.ideal = matrix_of(vertices, count, view.camera).value_or(matrix_of(item.shape.map));
   s.items.push_back(item);
 }
 

@@ -94,6 +94,16 @@ void world::measure() {
     for (const world_vertex& c : f.corners) radius = std::max(radius, length(c.position - centre));
 }
 
+bool world::has_area() const {
+  const double unit_length = ldexp(radius / engine_radius, -16);
+  for (const world_face& f : faces)
+    for (size_t k = 2; k < f.corners.size(); ++k) {
+      const vector3d& origin = f.corners[0].position;
+      if (length(cross(f.corners[k - 1].position - origin, f.corners[k].position - origin)) > unit_length * unit_length) return true;
+    }
+  return false;
+}
+
 scene look_at(const world& w, const camera_options& camera, screen_size size) {
   scene s{w.name, size, w.maps, {}};
   if (!(w.radius > 0)) return s;

@@ -31,6 +31,7 @@ struct world {
   double radius = 0;  // of the sphere about the centre that holds every corner
 
   void measure();     // sets centre (of the bounding box) and radius
+  bool has_area() const;  // any face larger than the engine's smallest square; after measure()
 };
 
 struct camera_options {

@@ -97,7 +97,7 @@ class renderer {
     int32_t sx = 0, sy = 0;
   };
   struct loaded_section {
-    texture_view texture;
+    texture_view::identity map;
     section at{};
     texel_box box{};
     bool valid = false;
@@ -162,7 +162,7 @@ class renderer {
   // to be clamped is as large as its section, so it is inside only if it is the same one.
   constexpr status load(half h, const texture_view& t, section& at, const texel_box& box, bool coarse) {
     loaded_section& held = held_[int(h)][coarse];
-    const bool same_level = held.valid && held.at.level == at.level && held.texture.same_as(t);
+    const bool same_level = held.valid && held.at.level == at.level && held.map == t.id();
     const bool inside = box.u0 >= held.box.u0 && box.v0 >= held.box.v0 && box.u1 <= held.box.u1 && box.v1 <= held.box.v1;
     if (same_level && inside) {
       at.origin_u = held.at.origin_u;
@@ -175,7 +175,7 @@ class renderer {
       counters_.words_loaded += uint64_t(count);
       return engine_.load_words(h, first, words, count);
     }));
-    held = {t, at, box, true};
+    held = {t.id(), at, box, true};
     return status::ok;
   }
 

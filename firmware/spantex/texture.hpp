@@ -71,10 +71,17 @@ class texture_view {
   }
   constexpr texel_format format() const { return format_; }
 
-  // Two views of the same map (for reuse of what is loaded).
-  constexpr bool same_as(const texture_view& o) const {
-    return levels_[0] == o.levels_[0] && packed_[0] == o.packed_[0] && format_ == o.format_ && level_count_ == o.level_count_ && width_ == o.width_ && height_ == o.height_ &&
-           wrap_u_ == o.wrap_u_ && wrap_v_ == o.wrap_v_;
+  // What tells two maps apart, for reuse of what is loaded: the same texels, wrapped in the same way.
+  struct identity {
+    const void* texels = nullptr;
+    int32_t width = 0, height = 0;
+    wrap wrap_u = wrap::repeat, wrap_v = wrap::repeat;
+    texel_format format = texel_format::rgba8888;
+    friend constexpr bool operator==(const identity&, const identity&) = default;
+  };
+  constexpr identity id() const {
+    const void* const texels = format_ == texel_format::rgba8888 ? static_cast<const void*>(levels_[0]) : packed_[0];
+    return {texels, width_, height_, wrap_u_, wrap_v_, format_};
   }
 
  private:

@@ -1,15 +1,26 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """Bad input of every kind ends in exit code 2, one line on stderr that names the file or option and the reason, and no file left."""
+import functools
 import pathlib
+import re
+import resource
 import struct
+import subprocess
 import sys
 import tempfile
 
 sys.dont_write_bytecode = True
-from spantex_command import FACING, QUAD_WITH_UV, QUAD_WITHOUT_UV, png_bytes, run  # noqa: E402
+from spantex_command import BINARY, FACING, QUAD_WITH_UV, QUAD_WITHOUT_UV, png_bytes, run  # noqa: E402
 
 FILTERS = ["nearest", "bilinear", "three-point", "mip-bilinear", "trilinear", "trilinear3"]
+
+
+# One mesh with a texture and coordinates, one with the same texture and none.
+MIXED_MESHES = ("mtllib half.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\n"
+                "o covered\nusemtl m\nf 1/1 2/2 3/3\no bare\nusemtl m\nf 1 3 4\n")
+SPARSE = {"vast.png": 3 << 30, "vast.obj": 3 << 30, "large.png": 400 << 20}
+SMALL_MEMORY_BYTES = 256 << 20
 
 
 def bmp_header(width, height):
@@ -28,10 +39,19 @@ def make_inputs(folder):
         "lost.obj": QUAD_WITH_UV.replace("m.mtl", "lost.mtl").encode(), "lost.mtl": b"newmtl m\nKd 1 1 1\nmap_Kd lost_texture.png\n",
         "broken.obj": QUAD_WITH_UV.replace("m.mtl", "broken.mtl").encode(), "broken.mtl": b"newmtl m\nKd 1 1 1\nmap_Kd truncated.png\n",
         "huge.obj": QUAD_WITH_UV.replace("vt 1 1", "vt 1e6 1").replace("m.mtl", "huge.mtl").encode(),
+        "textured.obj": QUAD_WITH_UV.replace("m.mtl", "huge.mtl").encode(),
         "huge.mtl": b"newmtl m\nmap_Kd good.png\n",
+        "half.obj": MIXED_MESHES.encode(), "half.mtl": b"newmtl m\nmap_Kd good.png\nnewmtl flat\nKd 1 0 0\n",
+        "nolib.obj": QUAD_WITH_UV.replace("m.mtl", "no such library.mtl").encode(),
+        "point.obj": re.sub(r"(?m)^v .*$", "v 1 2 3", QUAD_WITH_UV).replace("m.mtl", "huge.mtl").encode(),
+        "line.obj": re.sub(r"(?m)^v (\S+) .*$", r"v \1 0 0", QUAD_WITH_UV).replace("m.mtl", "huge.mtl").encode(),
     }
     for name, data in files.items():
         (folder / name).write_bytes(data)
+    for name, size in SPARSE.items():
+        with open(folder / name, "wb") as file:
+            file.truncate(size)
+    (folder / "link.png").symlink_to("small.png")
     (folder / "folder").mkdir()
 
 
@@ -130,12 +150,50 @@ CASES = [
     (render("garbage.xyz"), ["garbage.xyz"]),
     (render("huge.obj"), ["huge.obj", "32768"]),
     (render("good.png"), ["good.png"]),
+    (render("half.obj"), ["half.obj", "bare", "has a texture but no texture coordinates"]),
+    (render("nolib.obj"), ["nolib.obj", "no such library.mtl", "not found"]),
+    (render("point.obj"), ["point.obj", "nothing to draw"]),
+    (render("line.obj"), ["line.obj", "nothing to draw"]),
+    # without end, or too large
+    (plane(texture="/dev/zero"), ["/dev/zero", "512 MiB"]),
+    (plane(texture="vast.png"), ["vast.png", "512 MiB"]),
+    (render("vast.obj"), ["vast.obj", "512 MiB"]),
+    (["compare", "good.png", "/dev/zero"], ["/dev/zero", "512 MiB"]),
+    # options that contradict each other
+    (plane(stats="out.png"), ["--out", "--stats", "out.png"]),
+    (plane(stats="./folder/../out.png"), ["--out", "--stats", "out.png"]),
+    (plane(out="link.png", stats="small.png"), ["--out", "--stats", "small.png"]),
+    (render("fig8", "--stats", "out.png"), ["--out", "--stats", "out.png"]),
+    (render("fig8", "--out", "f%d.png", "--frames", "3", "--stats", "f2.png"), ["--out", "--stats", "f2.png"]),
+    *[(["trace", "fig6", "--size", "32x24", "--vcd", "t", other, "./t"], ["--vcd", other, "./t"])
+      for other in ("--json", "--out", "--stats")],
+    (["trace", "fig6", "--size", "32x24", "--vcd", "t", "--json", "u", "--stats", "u"], ["--json", "--stats", " u"]),
+    *[(render(scene, *more), [more[0], scene]) for scene in ("tilted", "fig6", "fig8")
+      for more in (["--camera", "1,2,3"], ["--eye", "1,2,3", "--target", "0,0,0"], ["--fov", "40"])],
+    (["trace", "--matrix", FACING, "--size", "32x24", "--vcd", "t", "--camera", "1,2,3"], ["--camera", "--matrix"]),
+    (["trace", "fig6", "--matrix", FACING, "--size", "32x24", "--vcd", "t"], ["--matrix"]),
+    (render("fig8", "--texture", "good.png"), ["--texture", "fig8"]),
+    (render("textured.obj", "--texture", "good.png"), ["--texture", "textured.obj"]),
+    (render("textured.obj", "--camera", "1,2,3", "--eye", "1,2,3", "--target", "0,0,0"), ["--camera", "--eye", "--target"]),
+    *[(render("fig8", "--out", "o%04d.png", "--frames", n), ["--frames", "1..9999"]) for n in ("0", "10000")],
+    (render("tilted", "--out", "o%04d.png", "--frames", "2"), ["--frames", "tilted"]),
+    (render("textured.obj", "--out", "o%d.png", "--frames", "2", "--eye", "1,2,3", "--target", "0,0,0"), ["--frames", "textured.obj"]),
     # compare
     (["compare", "good.png", "missing.png"], ["missing.png"]),
     (["compare", "good.png", "small.png"], ["small.png", "32x64", "64x64"]),
     (["compare", "good.png"], ["B"]),
     (["compare", "good.png", "good.png", "--diff", "no/d.png"], ["no/d.png", "cannot write"]),
 ]
+
+
+# With an address space of SMALL_MEMORY_BYTES.
+SMALL_MEMORY_CASES = [(plane(texture="large.png"), ["not enough memory"])]
+
+
+def run_in_small_memory(folder, *arguments):
+    limit = (SMALL_MEMORY_BYTES, SMALL_MEMORY_BYTES)
+    return subprocess.run([str(BINARY), *arguments], capture_output=True, text=True, cwd=folder, timeout=300,
+                          preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, limit))
 
 
 def faults_of(result, words, left):
@@ -159,9 +217,11 @@ def main():
         folder = pathlib.Path(name)
         make_inputs(folder)
         before = {str(p) for p in folder.rglob("*")}
-        contents = {p: p.read_bytes() for p in folder.rglob("*") if p.is_file()}
-        for arguments, words in CASES:
-            result = run(*arguments, cwd=folder)
+        contents = {p: p.read_bytes() for p in folder.rglob("*") if p.is_file() and p.name not in SPARSE}
+        small = functools.partial(run_in_small_memory, folder)
+        cases = [(functools.partial(run, cwd=folder), *case) for case in CASES] + [(small, *case) for case in SMALL_MEMORY_CASES]
+        for start, arguments, words in cases:
+            result = start(*arguments)
             left = {str(p) for p in folder.rglob("*")} - before
             for fault in faults_of(result, words, left):
                 failed += 1
@@ -170,7 +230,7 @@ def main():
         if changed:
             failed += 1
             print(f"inputs changed: {changed}")
-    print(f"{len(CASES)} bad inputs, {failed} faults")
+    print(f"{len(cases)} bad inputs, {failed} faults")
     return 1 if failed else 0
 
 

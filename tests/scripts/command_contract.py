@@ -58,6 +58,14 @@ def test_stats(folder):
     stats = json.loads((folder / "s.json").read_text())
     assert all(k in stats for k in common + ["cycles", "stalls", "bank_conflicts"]), stats
     assert stats["bank_conflicts"] == 0 and stats["cycles"] >= 64 * 48
+    assert stats["machines"] == 1 and stats["cycles_of_all_machines"] == stats["cycles"]
+    for threads, machines in ((3, 3), (40, 6)):  # 48 rows of pixels are 6 of spans
+        plane(folder, "o.png", stats="s.json", engine="sim", threads=str(threads))
+        several = json.loads((folder / "s.json").read_text())
+        assert several["machines"] == machines and several["cycles"] < stats["cycles"] <= several["cycles_of_all_machines"], several
+        assert several["compute_cycles"] == stats["compute_cycles"] and several["pixels"] == stats["pixels"], several
+    for sub in ("plane", "render"):
+        assert "machines" in done(sub, "--help", cwd=folder), sub
     done("render", "fig8", "--size", "64x48", "--out", "o.png", "--stats", "s.json", "--psnr", cwd=folder)
     stats = json.loads((folder / "s.json").read_text())
     assert 15 < stats["psnr_db"] < 60 and stats["spans_skipped"]["hidden"] + stats["spans_skipped"]["empty"] > 0
@@ -176,6 +184,16 @@ def test_models(folder):
     assert at(40, 40) == [51, 102, 153]
 
 
+def test_flat_and_textured_meshes(folder):
+    """A mesh without texture coordinates is good where its own material has no texture."""
+    (folder / "m.obj").write_text(QUAD_WITH_UV + "o bare\nusemtl flat\nf 1 4 3\n")
+    (folder / "m.mtl").write_text("newmtl m\nmap_Kd map.png\nnewmtl flat\nKd 1 0 0\n")
+    done("render", "m.obj", "--size", "16x16", "--out", "o.png", cwd=folder)
+    (folder / "m.mtl").rename(folder / "other.mtl")
+    (folder / "m.obj").write_text(QUAD_WITH_UV.replace("mtllib m.mtl", "mtllib   ./other.mtl \r"))
+    done("render", "m.obj", "--size", "16x16", "--out", "o.png", cwd=folder)
+
+
 def test_turntable(folder):
     done("render", "fig8", "--size", "40x30", "--frames", "3", "--out", "t-%04d.png", cwd=folder)
     frames = [(folder / f"t-{k:04d}.png").read_bytes() for k in range(3)]
@@ -190,6 +208,7 @@ def test_outputs_replace_and_follow_links(folder):
     assert not [p for p in folder.iterdir() if p.name.endswith(".tmp")]
     done("plane", "--texture", "map.png", "--size", "8x8", "--matrix", IDENTITY, "--out", "/dev/null", cwd=folder)
     assert not pathlib.Path("/dev/null").is_file()
+    plane(folder, "/dev/null", stats="/dev/null")
 
 
 def test_compare(folder):

@@ -18,6 +18,7 @@ void add_stress_command(CLI::App& app);
 void add_demo_command(CLI::App& app);
 
 // What --stats writes.
+std::string stats_help(const std::string& what);
 std::string stats_json(const sim::draw_result& r, const sim::draw_options& o, std::optional<double> psnr_db);
 
 // Draws with a progress bar.

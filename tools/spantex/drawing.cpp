@@ -11,6 +11,10 @@
 
 namespace spantex::tool {
 
+std::string stats_help(const std::string& what) {
+  return what + "; engine sim with threads: 'machines' engines, 'cycles' of the one that took longest, 'cycles_of_all_machines' and all other counts summed over them";
+}
+
 std::string stats_json(const sim::draw_result& r, const sim::draw_options& o, std::optional<double> psnr_db) {
   const draw_counters& w = r.work;
   nlohmann::ordered_json j;
@@ -33,6 +37,8 @@ std::string stats_json(const sim::draw_result& r, const sim::draw_options& o, st
   j["second_levels_skipped"] = w.second_levels_skipped;
   if (o.engine == sim::engine_choice::simulated) {
     const sim::counters& m = r.machine;
+    j["machines"] = r.machines;
+    j["cycles_of_all_machines"] = r.cycles_of_all_machines;
     j["cycles"] = m.total_cycles;
     j["stalls"] = m.stall_cycles;
     j["bank_conflicts"] = m.bank_conflicts;

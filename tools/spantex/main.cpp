@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <exception>
+#include <new>
 #include <string>
 #include <vector>
 
@@ -54,6 +55,8 @@ int main(int argc, char** argv) {
     return e.get_exit_code();
   } catch (const CLI::ParseError& e) {
     return e.get_exit_code() == 0 ? app.exit(e) : refuse(e.what());
+  } catch (const std::bad_alloc&) {
+    return refuse("not enough memory for the picture, maps, model or trace asked for");
   } catch (const std::exception& e) {
     return refuse(e.what());
   }

@@ -59,6 +59,8 @@ bool any_in_range(const sim::matrix& m, sim::screen_size size) {
 
 sim::camera_options camera_of(const subject_options& o) {
   sim::camera_options c;
+  if (!o.camera.empty() && (!o.eye.empty() || !o.target.empty()))
+    throw input_error("--camera and --eye with --target: give one or the other");
   if (!o.camera.empty()) {
     const std::vector<double> n = parse_numbers(o.camera, 3, "--camera");
     c.yaw_degrees = n[0];
@@ -83,6 +85,13 @@ std::string joined(const std::vector<std::string>& words) {
   std::string text;
   for (const std::string& w : words) text += (text.empty() ? "" : ", ") + w;
   return text;
+}
+
+void check_outputs_differ(const std::vector<named_output>& outputs) {
+  for (size_t k = 0; k < outputs.size(); ++k)
+    for (size_t n = 0; n < k; ++n)
+      if (!outputs[k].path.empty() && !outputs[n].path.empty() && sim::same_output(outputs[n].path, outputs[k].path))
+        throw input_error(outputs[n].option + " and " + outputs[k].option + ": both would write " + outputs[k].path);
 }
 
 double parse_number(const std::string& text, const std::string& what) {
@@ -173,9 +182,19 @@ void subject_options::add_to(CLI::App& app, bool with_matrix) {
   app.add_option("--camera", camera, "yaw,pitch,distance: degrees, degrees, radii of the model (0: all of it in the picture)");
   app.add_option("--eye", eye, "x,y,z of the camera, with --target");
   app.add_option("--target", target, "x,y,z that the camera looks at, with --eye");
-  app.add_option("--fov", fov_degrees, "angle of view of the picture's height, degrees")->capture_default_str();
+  fov_given_ = app.add_option("--fov", fov_degrees, "angle of view of the picture's height, degrees")->capture_default_str();
   if (with_matrix) app.add_option("--matrix", matrix, "instead of a scene: a plane, A,B,C,D,E,F,G,H,I")->excludes(what);
   else what->required();
+}
+
+void subject_options::check_consistent() const {
+  const bool plane = !matrix.empty() || sim::named_plane(subject), scene = plane || sim::is_scene_name(subject);
+  const std::string what = matrix.empty() ? "'" + subject + "'" : "a plane from --matrix";
+  const std::pair<const char*, bool> views[] = {{"--camera", !camera.empty()}, {"--eye", !eye.empty()}, {"--target", !target.empty()},
+                                                {"--fov", fov_given_ != nullptr && fov_given_->count() > 0}};
+  for (const auto& [option, given] : views)
+    if (scene && given) throw input_error(std::string(option) + ": " + what + " has its own view; only models take a camera");
+  if (!texture.empty() && !plane) throw input_error("--texture: " + what + " has its own maps; only a plane takes a texture");
 }
 
 subject_options::loaded::loaded(const subject_options& o, const drawing_options& d) : name_(o.subject), camera_(camera_of(o)) {
@@ -183,6 +202,7 @@ subject_options::loaded::loaded(const subject_options& o, const drawing_options&
   request_.levels = d.level_filter();
   request_.wrap_u = request_.wrap_v = d.wrap_mode();
   if (o.matrix.empty() && o.subject.empty()) throw input_error("nothing to draw: name a scene or model, or give --matrix");
+  o.check_consistent();
   if (!o.matrix.empty()) matrix_ = parse_matrix(o.matrix, request_.size);
   if (!o.texture.empty()) request_.texture = sim::load_image(o.texture);
   if (matrix_ || sim::is_scene_name(name_)) return;

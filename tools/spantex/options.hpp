@@ -42,6 +42,11 @@ rgba8 parse_colour(const std::string& text);
 // coordinates beyond what the engine takes (2^15 texels) at every pixel in front of the viewer.
 sim::matrix parse_matrix(const std::string& text, sim::screen_size size);
 
+// An option and the file that it names; an empty path is none.
+struct named_output { std::string option, path; };
+// Refuses two outputs that would be one file.
+void check_outputs_differ(const std::vector<named_output>& outputs);
+
 // How pictures are drawn.
 struct drawing_options {
   std::string filter = "trilinear", profile = "default", engine = "direct", wrap = "repeat", prefilter = "box", background = "000000";
@@ -66,11 +71,15 @@ struct subject_options {
   double fov_degrees = 40;
 
   void add_to(CLI::App& app, bool with_matrix);
+  // Refuses what the subject would ignore: a camera for a plane or a scene with its own, a texture for what has its own.
+  void check_consistent() const;
   // Loads once; then one scene per frame, the camera turned by `turn_degrees`.
   class loaded {
    public:
     loaded(const subject_options& o, const drawing_options& d);
     sim::scene at(double turn_degrees) const;
+    // False where the turn changes nothing: a plane from coefficients, or a camera fixed by --eye and --target.
+    bool turns() const { return !matrix_ && !sim::named_plane(name_) && !camera_.eye; }
 
    private:
     sim::scene_request request_;
@@ -79,6 +88,9 @@ struct subject_options {
     std::optional<sim::world> world_;
     sim::camera_options camera_;
   };
+
+ private:
+  CLI::Option* fov_given_ = nullptr;
 };
 
 }  // namespace spantex::tool

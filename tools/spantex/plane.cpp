@@ -22,6 +22,7 @@ void run(const plane_options& o) {
   sim::draw_options drawing = o.drawing.resolve();
   const sim::screen_size size = parse_size(o.size);
   const sim::matrix m = parse_matrix(o.matrix, size);
+  check_outputs_differ({{"--out", o.out}, {"--stats", o.stats}});
   const sim::output_file out(o.out);
   const sim::output_file stats = o.stats.empty() ? sim::output_file() : sim::output_file(o.stats);
   sim::map_list maps;
@@ -50,7 +51,7 @@ void add_plane_command(CLI::App& app) {
                  "(i + 1/2, j + 1/2); or facing, tilted, grazing")->required();
   sub.add_option("--out", o->out, "the picture, PNG")->required();
   o->drawing.add_to(sub, true);
-  sub.add_option("--stats", o->stats, "counts and times as JSON");
+  sub.add_option("--stats", o->stats, stats_help("counts and times as JSON"));
   sub.add_flag("--psnr", o->psnr, "compare with the 16x16 supersampled double-precision reference");
   sub.callback([o] { run(*o); });
 }

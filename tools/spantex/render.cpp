@@ -18,7 +18,7 @@ struct render_options {
   drawing_options drawing;
   subject_options subject;
   std::string out, stats;
-  int frames = 0;
+  std::optional<int> frames;
   bool psnr = false;
 };
 
@@ -36,10 +36,15 @@ std::string frame_name(const std::string& pattern, int frame) {
 }
 
 std::vector<sim::output_file> outputs(const render_options& o) {
-  if (o.frames == 0) return {sim::output_file(o.out)};
-  if (o.frames < 0 || o.frames > most_frames) throw sim::input_error("--frames: outside 1.." + std::to_string(most_frames));
+  check_outputs_differ({{"--out", o.out}, {"--stats", o.stats}});
+  if (!o.frames) return {sim::output_file(o.out)};
+  if (*o.frames < 1 || *o.frames > most_frames) throw sim::input_error("--frames: outside 1.." + std::to_string(most_frames));
   std::vector<sim::output_file> files;
-  for (int k = 0; k < o.frames; ++k) files.emplace_back(frame_name(o.out, k));
+  for (int k = 0; k < *o.frames; ++k) {
+    const std::string name = frame_name(o.out, k);
+    check_outputs_differ({{"--out", name}, {"--stats", o.stats}});
+    files.emplace_back(name);
+  }
   return files;
 }
 
@@ -48,6 +53,8 @@ void run(const render_options& o) {
   const std::vector<sim::output_file> files = outputs(o);
   const sim::output_file stats = o.stats.empty() ? sim::output_file() : sim::output_file(o.stats);
   const subject_options::loaded subject(o.subject, o.drawing);
+  if (files.size() > 1 && !subject.turns())
+    throw sim::input_error("--frames: the view of '" + o.subject.subject + "' is fixed, every frame equal");
   std::string report;
   for (size_t k = 0; k < files.size(); ++k) {
     const sim::scene s = subject.at(360.0 * double(k) / double(files.size()));
@@ -70,7 +77,7 @@ void add_render_command(CLI::App& app) {
   sub.add_option("--out", o->out, "the picture, PNG; with --frames a pattern such as O-%04d.png")->required();
   sub.add_option("--frames", o->frames, "a turntable of so many pictures, the camera turned once around");
   o->drawing.add_to(sub, true);
-  sub.add_option("--stats", o->stats, "counts and times (of the first frame) as JSON");
+  sub.add_option("--stats", o->stats, stats_help("counts and times (of the first frame) as JSON"));
   sub.add_flag("--psnr", o->psnr, "compare with the 16x16 supersampled double-precision reference");
   sub.callback([o] { run(*o); });
 }

@@ -54,6 +54,7 @@ void print_summary(const sim::counters& m) {
 void run(const trace_options& o) {
   sim::draw_options drawing = o.drawing.resolve();
   if (o.vcd.empty() && o.json.empty()) throw sim::input_error("trace: nothing to write: give --vcd, --json or both");
+  check_outputs_differ({{"--vcd", o.vcd}, {"--json", o.json}, {"--out", o.out}, {"--stats", o.stats}});
   const sim::output_file vcd = wanted(o.vcd), json = wanted(o.json), out = wanted(o.out), stats = wanted(o.stats);
   const sim::scene s = subject_options::loaded(o.subject, o.drawing).at(0);
   std::ostringstream waveform, timeline;
