@@ -21,7 +21,7 @@ enum class stress_family {
   magnified,        // thousands of pixels per texel
   minified,         // thousands of texels per pixel: beyond the last level of any map
   wide_screen,      // 4096 pixels, spans at its far end
-  polygons,         // fans of needle-thin, one-pixel and clipped polygons: each pixel drawn once, W > 0
+  polygons,         // fans of triangles down to needles and slivers: each pixel drawn once, W > 0
 };
 inline constexpr int stress_family_count = 10;
 const char* name_of(stress_family f);

@@ -122,14 +122,28 @@ constexpr void pixel_coordinates(const reference& r, const profile& q, span_coef
 
 // Half pixels from the span's centre to pixel column or row i.
 constexpr int32_t half_pixels(int i) { return 2 * i - reach; }
+using half_pixel_offset = s<3, 0>;
+constexpr half_pixel_offset offset_to(int i) { return half_pixel_offset::from_raw(half_pixels(i)); }
 
+// Formats of the datapath, by the profile's widest numbers: mantissas (scaled by a run-time exponent), slopes below 1/14, and 1/w.
 template <class Prof> using offset_mantissa = s<Prof::max_offset_bits, 0>;
+template <class Prof> using slope_of_w = s<-3, Prof::max_reciprocal_bits>;
 template <class Prof> using relative_w = u<1, Prof::max_reciprocal_bits>;
+
+// c + a hx + b hy. The planner bounds |c| + 7 (|a| + |b|) below 2^(offset_bits - 1), so the sum fits (proof: pixel_numerator).
+template <class Prof>
+constexpr offset_mantissa<Prof> numerator_at(int32_t c, int32_t a, int32_t b, int i, int j) {
+  using mantissa = offset_mantissa<Prof>;
+  return trust_to<mantissa>(mantissa::from_raw(c) + mantissa::from_raw(a) * offset_to(i) + mantissa::from_raw(b) * offset_to(j));
+}
 
 // w = 1 + g hx + h hy as reciprocal_bits fraction bits, in (1/2, 3/2) by the planner's condition and relative_w_bound() < 1/256.
 template <class Prof>
 constexpr uint32_t w_at(const Prof& prof, const span_coefficients& c, int i, int j) {
-  return uint32_t((int32_t(1) << prof.get().reciprocal_bits) + c.g * half_pixels(i) + c.h * half_pixels(j));
+  using slope = slope_of_w<Prof>;
+  const auto e = slope::from_raw(c.g) * offset_to(i) + slope::from_raw(c.h) * offset_to(j);
+  const auto one = relative_w<Prof>::from_raw(uint32_t(1) << prof.get().reciprocal_bits);
+  return trust_to<relative_w<Prof>>(one + e).raw();  // proof: relative_w
 }
 
 // 1/w for w in (1/2, 3/2), same format.
@@ -156,15 +170,15 @@ constexpr uint32_t reciprocal_at(const Prof& prof, const span_coefficients& c, i
 
 // base + n / w, rounded once to coordinate_bits and saturated to s15.16.
 template <class Prof>
-constexpr coordinate coordinate_at(const Prof& prof, const span_coefficients& c, int32_t base, int32_t n, uint32_t reciprocal) {
+constexpr coordinate coordinate_at(const Prof& prof, const span_coefficients& c, int32_t base, offset_mantissa<Prof> n, uint32_t reciprocal) {
   const profile& q = prof.get();
   using product = decltype(offset_mantissa<Prof>{} * relative_w<Prof>{});
   const int drop = c.exponent - q.coordinate_bits;
   typename product::rep offset;
   if (c.how == evaluation::affine) {
-    offset = scale_down(typename product::rep(n), drop);
+    offset = scale_down(typename product::rep(n.raw()), drop);
   } else {
-    const product p = offset_mantissa<Prof>::from_raw(n) * relative_w<Prof>::from_raw(reciprocal);
+    const product p = n * relative_w<Prof>::from_raw(reciprocal);
     offset = shift_right(p.raw(), drop + q.reciprocal_bits);
   }
   const int up = 16 - q.coordinate_bits;
@@ -174,10 +188,9 @@ constexpr coordinate coordinate_at(const Prof& prof, const span_coefficients& c,
 
 template <class Prof>
 constexpr texel_position position_at(const Prof& prof, const span_coefficients& c, int i, int j) {
-  const int32_t hx = half_pixels(i), hy = half_pixels(j);
   const uint32_t reciprocal = reciprocal_at(prof, c, i, j);
-  return {coordinate_at(prof, c, c.base_u, c.c_u + c.a_u * hx + c.b_u * hy, reciprocal),
-          coordinate_at(prof, c, c.base_v, c.c_v + c.a_v * hx + c.b_v * hy, reciprocal)};
+  return {coordinate_at(prof, c, c.base_u, numerator_at<Prof>(c.c_u, c.a_u, c.b_u, i, j), reciprocal),
+          coordinate_at(prof, c, c.base_v, numerator_at<Prof>(c.c_v, c.a_v, c.b_v, i, j), reciprocal)};
 }
 
 // How far rounding can move a position from the hull of its span's corners, raw s15.16.

@@ -20,21 +20,26 @@ struct snapped_position {
 
 namespace detail {
 
-// u0 in texels of level 0 (raw s15.16) to the level's texels with `bits` fraction bits: u0 size_L / size_0 - half_texel, rounded once.
-constexpr int32_t on_level(int32_t u0, uint32_t ratio, int level, int half_texels, int bits, rounding mode) {
+// Half a texel of the level, in texels of level 0: 2^(level - 1).
+using half_texel = u<12, 1>;
+constexpr half_texel half_texel_of(int level) { return half_texel::from_raw(uint32_t(1) << level); }
+
+// A position in texels of level 0 to the level's texels with `bits` fraction bits: position size_L / size_0 - 1/2, rounded once. The two
+// sums are in texels of level 0 (times at most 1), so the shift by the level is part of the rounding. Proof: on_level.
+constexpr int32_t on_level(coordinate position, uint32_t ratio, int level, int bits, rounding mode) {
   if (ratio == uint32_t(1) << 31) {
-    const int64_t u = int64_t(u0) - (int64_t(half_texels) << (15 + level));
-    return int32_t(scale_down(u, 16 + level - bits, mode));
+    const auto u = position - half_texel_of(level);
+    return int32_t(scale_down(int64_t(u.raw()), decltype(u)::fraction_bits + level - bits, mode));
   }
-  const int64_t u = int64_t(u0) * int64_t(ratio) - (int64_t(half_texels) << (46 + level));
-  return int32_t(shift_right(u, 47 + level - bits, mode));
+  const auto u = position * spantex::u<0, 31>::from_raw(ratio) - half_texel_of(level);
+  return int32_t(shift_right(int64_t(u.raw()), decltype(u)::fraction_bits + level - bits, mode));
 }
 
 }  // namespace detail
 
 // Texel and weights for filters that blend: texel centres lie at k + 1/2.
 constexpr int32_t blended(coordinate c, uint32_t ratio, bool one, int level, const profile& q) {
-  return one ? 0 : detail::on_level(c.raw(), ratio, level, 1, q.subtexel_bits, q.position_rounding);
+  return one ? 0 : detail::on_level(c, ratio, level, q.subtexel_bits, q.position_rounding);
 }
 
 // The texel that holds the position (level 0 only).

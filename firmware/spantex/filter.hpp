@@ -13,6 +13,9 @@
 
 namespace spantex {
 
+inline constexpr int max_blend_bits = 24;
+static_assert(8 + max_blend_bits <= 32, "a colour and its fraction fit 32 bits; is_valid() keeps blend_bits and 2 subtexel_bits within 24");
+
 // A colour between two stages: value / 2^bits.
 struct partial_colour {
   uint32_t value;
@@ -59,7 +62,7 @@ constexpr partial_colour three_point(texels2x2 t, weights w, const profile& q) {
 // Between two levels by the fraction of the level of detail.
 constexpr partial_colour between_levels(partial_colour fine, partial_colour coarse, uint32_t fraction, const profile& q) {
   // 24 + 8 bits of fraction would not fit: what exceeds 24 is rounded away before, as blend_bits says.
-  const int excess = max_of(0, fine.bits + q.level_bits - 24);
+  const int excess = max_of(0, fine.bits + q.level_bits - max_blend_bits);
   const uint32_t a = round_off(fine.value, excess, q.colour_rounding), b = round_off(coarse.value, excess, q.colour_rounding);
   return kept(interpolated(a, b, fraction, q.level_bits), fine.bits - excess + q.level_bits, q);
 }
