@@ -40,7 +40,7 @@ unit-tests: $(UNIT_TESTS)
 
 stress: setup-build all ## coordinates, levels and coverage against exact arithmetic, 10^9 evaluations a profile; tables in build/stress
 	@mkdir -p $(B)/stress
-	@for p in exact default; do \
+	@for p in exact default compact seed; do \
 	  $(B)/spantex stress --profile $$p --evaluations $(EVALUATIONS) --threads $(JOBS) --json $(B)/stress/$$p.json > $(B)/stress/$$p.txt; \
 	  code=$$?; cat $(B)/stress/$$p.txt; test $$code = 0 || exit 1; done
 

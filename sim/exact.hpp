@@ -45,4 +45,9 @@ inline long double exact_level(const plane& p, int32_t hx, int32_t hy) {
   return std::log2(2 * length) - 2 * std::log2(static_cast<long double>(w));
 }
 
+// KT88's formula at a point where w > 0: log2 K - 2 log2 W, with the plane's own log2 K.
+inline long double exact_major_level(const plane& p, int32_t hx, int32_t hy) {
+  return static_cast<long double>(p.major_log2) / 65536 - 2 * std::log2(static_cast<long double>(p.w_at(hx, hy)));
+}
+
 }  // namespace spantex::sim

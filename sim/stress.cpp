@@ -107,18 +107,21 @@ class span_under_test {
     if (map.w_at(cx_, cy_) <= 0) return;
     const reference r = reference_at(map, cx_, cy_);
     whole_ = span_coordinates(map, r, p, c_);
-    if (whole_) span_levels(p, c_);
+    if (whole_ && major()) major_levels(map, r, c_);
+    if (whole_ && !major()) span_levels(p, c_);
   }
 
   const span_coefficients& at(int i, int j) {
     if (whole_) return c_;
     const reference r = reference_at(map_, hx(i), hy(j));
     pixel_coordinates(r, prof_.value, c_);
-    pixel_levels(map_, r, hx(i), hy(j), c_);
+    if (major()) major_levels(map_, r, c_);
+    else pixel_levels(map_, r, hx(i), hy(j), c_);
     return c_;
   }
 
   const run_time_profile& prof() const { return prof_; }
+  bool major() const { return prof_.value.formula == level_formula::major; }
   int32_t hx(int i) const { return cx_ + half_pixels(i); }
   int32_t hy(int j) const { return cy_ + half_pixels(j); }
 
@@ -173,7 +176,7 @@ bool check_position(const profile& p, const sampled_level& at, coordinate c, int
   return share <= 1;
 }
 
-// All pixels of one span. Levels are checked for every pixel too: the exact one is a logarithm of exact integers.
+// All pixels of one span. Levels are checked for every fifth pixel: the exact one is a logarithm of exact integers, and slow.
 bool check_span(const profile& p, const plane& map, int sx, int sy, uint64_t seed, bounds limit, stress_row& row) {
   span_under_test span(p, map, sx, sy);
   const sampled_level sampled = choose_level(seed);
@@ -198,7 +201,7 @@ bool check_span(const profile& p, const plane& map, int sx, int sy, uint64_t see
     if (u_counts) good = check_position(p, sampled, at.u, nu, w, seed, sx, sy, k, row) && good;
     if (v_counts) good = check_position(p, sampled, at.v, nv, w, seed, sx, sy, k, row) && good;
     if (!u_counts || !v_counts || (k % 5) != 0) continue;
-    const long double exact = exact_level(map, hx, hy);
+    const long double exact = span.major() ? exact_major_level(map, hx, hy) : exact_level(map, hx, hy);
     const double computed = double(level_at(span.prof(), c, i, j)) / (1 << p.level_bits);
     const double error =
         double(std::fabs(std::clamp(exact, 0.0L, static_cast<long double>(levels_of_interest)) -

@@ -63,9 +63,10 @@ constexpr uint64_t coordinate_bound(const profile& p, int extent_log2 = max_exte
 }
 
 // |snapped - exact| of a blending filter's position on a level, in texels of that level: the coordinate, the ratio of sizes that do not
-// halve exactly (31 bits), and half a step of the weights.
+// halve exactly (31 bits), and half a step of the weights (a whole one if
+// positions are cut).
 constexpr uint64_t snapped_bound(const profile& p, int level) {
-  return detail::bound_scaled(coordinate_bound(p), -level) + detail::bound_power(-17 - level) + detail::bound_power(-p.subtexel_bits - 1);
+  return detail::bound_scaled(coordinate_bound(p), -level) + detail::bound_power(-17 - level) + detail::bound_power(-p.subtexel_bits - (p.position_rounding == rounding::floor ? 0 : 1));
 }
 
 // |computed - formula| of the level of detail where it lies in [0, last], in 2^-40 level: terms, final rounding, log2 twice and a
@@ -73,7 +74,7 @@ constexpr uint64_t snapped_bound(const profile& p, int level) {
 constexpr uint64_t level_bound(const profile& p) {
   constexpr int term_bits = 10;
   return detail::bound_power(-term_bits - 1) + detail::bound_power(-p.level_bits - 1) + 10 * detail::bound_power(-16) +
-         detail::bound_power(13 - p.offset_bits);
+         detail::bound_power(14 - p.offset_bits) + 6 * relative_w_bound(p);
 }
 
 // The promises, checked when the library is compiled.

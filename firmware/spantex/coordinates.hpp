@@ -179,7 +179,7 @@ constexpr coordinate coordinate_at(const Prof& prof, const span_coefficients& c,
     offset = scale_down(typename product::rep(n.raw()), drop);
   } else {
     const product p = n * relative_w<Prof>::from_raw(reciprocal);
-    offset = shift_right(p.raw(), drop + q.reciprocal_bits);
+    offset = scale_down(p.raw(), drop + q.reciprocal_bits);  // up only in narrow profiles, whose products are short
   }
   const int up = 16 - q.coordinate_bits;
   const int64_t sum = (int64_t(base) << 16) + (int64_t(offset) << up);

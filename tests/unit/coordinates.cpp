@@ -124,6 +124,15 @@ SPANTEX_CASE(every_profile_keeps_the_bound_of_its_numbers) {
   check_own_bound<profiles::seed>("seed");
 }
 
+// The corners of what is_valid() allows: short mantissas with long reciprocals and positions, and the reverse.
+SPANTEX_CASE(extreme_word_lengths_keep_the_bound_of_their_numbers) {
+  check_own_bound<profile{.offset_bits = 12, .reciprocal_bits = 12}>("12, 12, 16 bits");
+  check_own_bound<profile{.offset_bits = 14, .reciprocal_bits = 12}>("14, 12, 16 bits");
+  check_own_bound<profile{.offset_bits = 31, .reciprocal_bits = 12}>("31, 12, 16 bits");
+  check_own_bound<profile{.offset_bits = 12, .reciprocal_bits = 30}>("12, 30, 16 bits");
+  check_own_bound<profile{.coordinate_bits = 4, .offset_bits = 31}>("31, 30, 4 bits");
+}
+
 SPANTEX_CASE(sample_planes_are_within_a_512th_of_a_texel) {
   const fixed_profile<profiles::exact> prof;
   const texture_view t = unread_view(512, 512);
@@ -221,6 +230,7 @@ int main() {
       cmocka_unit_test(exact_profile_is_within_a_512th_of_a_texel),
       cmocka_unit_test(default_profile_is_within_a_256th_of_a_texel),
       cmocka_unit_test(every_profile_keeps_the_bound_of_its_numbers),
+      cmocka_unit_test(extreme_word_lengths_keep_the_bound_of_their_numbers),
       cmocka_unit_test(sample_planes_are_within_a_512th_of_a_texel),
       cmocka_unit_test(coordinates_just_inside_2_to_the_15_are_within_their_bound),
       cmocka_unit_test(beyond_2_to_the_15_the_sign_and_a_far_coordinate_remain),
