@@ -41,7 +41,7 @@ struct draw_counters {
 template <span_engine Engine, class Prof>
 class renderer {
  public:
-  // The frame must outlive the renderer. clip: see draw().
+  // The frame must outlive the renderer.
   constexpr renderer(Engine& engine, const Prof& prof, const frame_buffer& frame) : engine_(engine), prof_(prof), frame_(frame) {}
 
   // Use one half only: what double buffering hides becomes visible.
