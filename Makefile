@@ -38,7 +38,7 @@ test: setup-build setup-test setup-demo ## run every test; T=suite.case runs one
 
 unit-tests: $(UNIT_TESTS)
 
-stress: setup-build all ## coordinates, levels and coverage against exact arithmetic, 10^9 evaluations a profile; tables in build/stress
+stress: setup-build all ## every stage of the numerics against exact arithmetic, 10^9 evaluations a profile; tables in build/stress
 	@mkdir -p $(B)/stress
 	@for p in exact default compact seed; do \
 	  $(B)/spantex stress --profile $$p --evaluations $(EVALUATIONS) --threads $(JOBS) --json $(B)/stress/$$p.json > $(B)/stress/$$p.txt; \
@@ -46,9 +46,9 @@ stress: setup-build all ## coordinates, levels and coverage against exact arithm
 
 SANITIZE := -g -fsanitize=address,undefined,unsigned-integer-overflow -fno-sanitize-recover=all \
             -fsanitize-ignorelist=tests/sanitize.ignore -DSPANTEX_CHECK_TRUST
-sanitize: setup-build setup-test ## the unit tests under clang's address, undefined-behaviour and unsigned-overflow sanitizers
-	@$(MAKE) --no-print-directory -j$(JOBS) B=$(B)/sanitize CXX=clang++ OPT=-O1 CXXFLAGS="$(SANITIZE)" unit-tests
-	@ASAN_OPTIONS=detect_leaks=0 SPANTEX_SHORT=1 python3 tests/run.py --build $(B)/sanitize --units
+sanitize: setup-build setup-test ## unit tests, command, stress and identity pictures under clang's address, undefined-behaviour and unsigned-overflow sanitizers
+	@$(MAKE) --no-print-directory -j$(JOBS) B=$(B)/sanitize CXX=clang++ OPT=-O1 CXXFLAGS="$(SANITIZE)" unit-tests $(B)/sanitize/spantex $(B)/sanitize/picture_hashes
+	@tests/sanitized.py --build $(B)/sanitize
 
 check-gates: setup-test ## break the code on purpose, one line at a time: a named test must notice each
 	@tests/gates.py
@@ -67,6 +67,11 @@ $(B)/spantex: $(TOOL_OBJECTS) $(HOST_OBJECTS)
 	@echo "  link    $@"
 	@$(CXX) $(FLAGS) $^ -o $@ -lassimp
 
+$(B)/picture_hashes: $(B)/tests/identity/picture_hashes.o
+	@mkdir -p $(@D)
+	@echo "  link    $@"
+	@$(CXX) $(FLAGS) $^ -o $@
+
 $(B)/%.o: %.cpp Makefile
 	@mkdir -p $(@D)
 	@echo "  compile $<"
@@ -75,7 +80,9 @@ $(B)/%.o: %.cpp Makefile
 $(B)/tests/%: $(B)/tests/unit/%.o $(HOST_OBJECTS)
 	@mkdir -p $(@D)
 	@echo "  link    $@"
-	@$(CXX) $(FLAGS) $^ -o $@ -lcmocka -lassimp -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc
+	@$(CXX) $(FLAGS) $^ -o $@ -lcmocka -lassimp $(LIBRARIES) -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc
+
+$(B)/tests/bc: LIBRARIES := -lsquish
 
 .PRECIOUS: $(B)/tests/unit/%.o
--include $(HOST_OBJECTS:.o=.d) $(TOOL_OBJECTS:.o=.d) $(UNIT_SOURCES:%.cpp=$(B)/%.d)
+-include $(HOST_OBJECTS:.o=.d) $(TOOL_OBJECTS:.o=.d) $(UNIT_SOURCES:%.cpp=$(B)/%.d) $(B)/tests/identity/picture_hashes.d

@@ -27,10 +27,10 @@ enum class half : uint8_t { first, second };
 inline constexpr int half_count = 2;
 constexpr half other(half h) { return h == half::first ? half::second : half::first; }
 
-enum class event_kind : uint8_t { span, frame_end };
+enum class event_kind : uint8_t { span, frame_end, map_upload };
 struct event {
   event_kind kind;
-  uint32_t value;  // span: y << 16 | x
+  uint32_t value;  // span: y << 16 | x; map_upload: 64-bit words into global texture memory
 };
 
 template <class T, class U> inline constexpr bool same_type = false;

@@ -74,6 +74,7 @@ class faulty_engine {
     ++log_.corrupted;
     const uint8_t flips = plan_.colour_flips;
     for (rgba8& p : out.pixel) p = {uint8_t(p.r ^ flips), uint8_t(p.g ^ flips), uint8_t(p.b ^ flips), uint8_t(p.a ^ flips)};
+    for (uint32_t& channel : out.sums.channel) channel ^= flips;
     return status::ok;
   }
 

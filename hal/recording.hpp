@@ -7,7 +7,7 @@
 //
 //   operation in the body: what u8, half u8, status u8, then
 //     load_coefficients  the fields in their order          start  mask u64
-//     load_words         first i32, count i32, words u64    take   mask u64, R G B A of each of its pixels
+//     load_words         first i32, count i32, words u64    take   mask u64, partial u8, R G B A of each of its pixels; if partial sums u32 x 5
 //     mark               kind u8, value u32
 //
 // A damaged stream is refused with a reason: nothing of it is used.
@@ -32,6 +32,7 @@ struct recorded_operation {
   int32_t first = 0, count = 0;  // load_words
   size_t at = 0;                 // index of the first element in the pool of its kind
   span_mask mask = 0;            // start: as given; take: pixels held
+  bool partial = false;          // take: sums instead of pixels
   event note{};                  // mark
 };
 
@@ -40,6 +41,7 @@ struct recording {
   std::vector<span_coefficients> coefficients;  // pools, in the order of the operations
   std::vector<uint64_t> words;
   std::vector<rgba8> pixels;
+  std::vector<footprint_sums> sums;
 };
 
 namespace detail {
@@ -111,25 +113,52 @@ void archive(Archive& a, section& s) {
 }
 
 template <class Archive>
+void archive(Archive& a, axis_terms& t) {
+  auto& [c_u, a_u, b_u, c_v, a_v, b_v, area_log2, exponent, first_sample, last_sample, partial] = t;
+  for (int32_t* field : {&c_u, &a_u, &b_u, &c_v, &a_v, &b_v}) a(*field);
+  a(area_log2);
+  a(exponent);
+  a(first_sample);
+  a(last_sample);
+  a(partial);
+}
+
+template <class Archive>
+void archive(Archive& a, contour_terms& t) {
+  auto& [threshold, scale_log2, outline, own_units] = t;
+  a(threshold); a(scale_log2); a(outline); a(own_units);
+}
+
+template <class Archive>
+void archive(Archive& a, footprint_sums& s) {
+  for (uint32_t& channel : s.channel) a(channel);
+  a(s.weight);
+}
+
+template <class Archive>
 void archive(Archive& a, span_coefficients& c) {
-  auto& [base_u, base_v, c_u, a_u, b_u, c_v, a_v, b_v, g, h, row, column, fine, coarse, exponent, last_level, how, kind, two_levels,
-         corrects] = c;
+  auto& [base_u, base_v, c_u, a_u, b_u, c_v, a_v, b_v, g, h, row, column, axis, contour, fine, coarse, exponent, last_level, how, kind,
+         two_levels, corrects, linear_light, centred] = c;
   for (int32_t* field : {&base_u, &base_v, &c_u, &a_u, &b_u, &c_v, &a_v, &b_v, &g, &h}) a(*field);
   for (int16_t& term : row) a(term);
   for (int16_t& term : column) a(term);
+  archive(a, axis);
+  archive(a, contour);
   archive(a, fine);
   archive(a, coarse);
   a(exponent);
   a(last_level);
   a.one_of(how, evaluation::divide);
-  a.one_of(kind, filter::trilinear3);
+  a.one_of(kind, last_filter);
   a(two_levels);
   a(corrects);
+  a(linear_light);
+  a(centred);
 }
 
 inline constexpr char recording_magic[] = "STXREC\r\n";
 inline constexpr size_t magic_length = sizeof recording_magic - 1;
-inline constexpr uint32_t recording_version = 1;
+inline constexpr uint32_t recording_version = 4;
 inline constexpr size_t header_length = magic_length + 4 + 8 + 8, checksum_length = 4;
 
 inline void write_operation(byte_writer& out, const recording& log, const recorded_operation& op) {
@@ -150,6 +179,12 @@ inline void write_operation(byte_writer& out, const recording& log, const record
     case operation::start: out(op.mask); break;
     case operation::take: {
       out(op.mask);
+      out(op.partial);
+      if (op.partial) {
+        footprint_sums sums = log.sums[op.at];
+        archive(out, sums);
+        break;
+      }
       const size_t count = size_t(__builtin_popcountll(op.mask));
       for (size_t k = 0; k < count; ++k) {
         const rgba8 p = log.pixels[op.at + k];
@@ -174,6 +209,12 @@ inline void read_words(byte_reader& in, recording& log, recorded_operation& op) 
 
 inline void read_pixels(byte_reader& in, recording& log, recorded_operation& op) {
   in(op.mask);
+  in(op.partial);
+  if (op.partial) {
+    op.at = log.sums.size();
+    archive(in, log.sums.emplace_back());
+    return;
+  }
   op.at = log.pixels.size();
   for (span_mask rest = op.mask; in.good() && rest != 0; rest &= rest - 1) {
     rgba8& p = log.pixels.emplace_back();
@@ -195,7 +236,7 @@ inline void read_operation(byte_reader& in, recording& log) {
     case operation::start: in(op.mask); break;
     case operation::take: read_pixels(in, log, op); break;
     case operation::mark:
-      in.one_of(op.note.kind, event_kind::frame_end);
+      in.one_of(op.note.kind, event_kind::map_upload);
       in(op.note.value);
       break;
   }

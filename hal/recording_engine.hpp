@@ -9,6 +9,7 @@
 #include <hal/engine.hpp>
 #include <hal/operation.hpp>
 #include <hal/recording.hpp>
+#include <spantex/filter.hpp>
 
 namespace spantex {
 
@@ -22,6 +23,7 @@ class recording_engine {
     recorded_operation op{operation::load_coefficients, h, engine_.load_coefficients(h, c)};
     op.at = log_.coefficients.size();
     log_.coefficients.push_back(c);
+    if (op.result == status::ok) partial_[int(h)] = c.axis.partial;
     return kept(op);
   }
   status load_words(half h, int first, const uint64_t* words, int count) {
@@ -40,8 +42,14 @@ class recording_engine {
   }
   status take(half h, span_pixels& out) {
     recorded_operation op{operation::take, h, engine_.take(h, out)};
-    op.at = log_.pixels.size();
     if (op.result == status::ok) op.mask = started_[int(h)];
+    op.partial = op.result == status::ok && partial_[int(h)];
+    if (op.partial) {
+      op.at = log_.sums.size();
+      log_.sums.push_back(out.sums);
+      return kept(op);
+    }
+    op.at = log_.pixels.size();
     for (span_mask rest = op.mask; rest != 0; rest &= rest - 1) log_.pixels.push_back(out.pixel[__builtin_ctzll(rest)]);
     return kept(op);
   }
@@ -61,6 +69,7 @@ class recording_engine {
   Engine& engine_;
   recording& log_;
   span_mask started_[half_count] = {};
+  bool partial_[half_count] = {};
 };
 
 // The first difference between a recording and its replay, if there is one.
@@ -106,6 +115,12 @@ status repeat_operation(const recording& log, const recorded_operation& op, Engi
 
 // The first pixel of a take that differs, or -1.
 inline int differing_pixel(const recording& log, const recorded_operation& op, const span_pixels& got, rgba8& expected) {
+  if (op.partial) {
+    const footprint_sums& a = log.sums[op.at];
+    const bool same = a == got.sums;
+    if (!same) expected = mean_colour(a, rounding::nearest);
+    return same ? -1 : __builtin_ctzll(op.mask);
+  }
   size_t at = op.at;
   for (span_mask rest = op.mask; rest != 0; rest &= rest - 1, ++at) {
     const int k = __builtin_ctzll(rest);
@@ -142,7 +157,7 @@ replay_result replay(const recording& log, Engine& engine) {
     r.pixel = pixel;
     r.expected_status = op.result;
     r.got_status = got;
-    if (pixel >= 0) { r.expected = expected; r.got = pixels.pixel[pixel]; }
+    if (pixel >= 0) { r.expected = expected; r.got = op.partial ? mean_colour(pixels.sums, rounding::nearest) : pixels.pixel[pixel]; }
     return r;
   }
   return r;

@@ -46,7 +46,8 @@ class sim_engine {
     SPANTEX_TRY(guard_.may_load(h, operation::load_coefficients, host_time_));
     halves_[int(h)].coefficients = c;
     guard_.coefficients_loaded(h);
-    transfer(h, operation::load_coefficients, 0, table_.coefficient_words);
+    transfer(h, operation::load_coefficients, 0, table_.coefficient_words + (uses_footprint(c.kind) ? table_.axis_words : 0) +
+                                                (c.kind == filter::contour ? table_.contour_words : 0));
     return status::ok;
   }
 
@@ -65,8 +66,9 @@ class sim_engine {
     sim::bank_totals reads;
     compute_span(prof_, x.coefficients, mask, x.texels, x.pixels, sim::bank_observer(reads));
     counters_.fetches += reads.fetches;
+    counters_.texel_reads += reads.fetches / channel_count * uint64_t(texels_per_sample(x.coefficients.kind) * (x.coefficients.two_levels ? 2 : 1));
     counters_.bank_conflicts += reads.conflicts;
-    schedule(h, __builtin_popcountll(mask), sim::held_cycles(reads));
+    schedule(h, __builtin_popcountll(mask), int(reads.fetches / channel_count), sim::held_cycles(reads));
     return status::ok;
   }
 
@@ -77,6 +79,7 @@ class sim_engine {
       const int k = __builtin_ctzll(rest);
       out.pixel[k] = x.pixels.pixel[k];
     }
+    out.sums = x.pixels.sums;
     host_time_ = sim::later(host_time_, guard_.computing(h).end);
     settle();
     return status::ok;
@@ -121,10 +124,11 @@ class sim_engine {
     if (sink_ != nullptr) sink_->load({h, what == operation::load_coefficients, first, words, time});
   }
 
-  void schedule(half h, int pixels, sim::cycle held_cycles) {
+  // The pipeline takes one sample at a time; a pixel is one or, with a footprint, several.
+  void schedule(half h, int pixels, int samples, sim::cycle held_cycles) {
     one_half& x = halves_[int(h)];
     const sim::cycle idle_since = coordinates_.free_at();
-    const sim::interval issue = coordinates_.issue(sim::later(host_time_, x.loaded_at), pixels, held_cycles);
+    const sim::interval issue = coordinates_.issue(sim::later(host_time_, x.loaded_at), samples, held_cycles);
     const sim::cycle end = issue.end + coordinates_.fill_cycles() + filters_.fill_cycles();
     if (counters_.jobs != 0 && issue.begin > idle_since) stalled({idle_since, issue.begin});
     guard_.computes(h, {issue.begin, end});

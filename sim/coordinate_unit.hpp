@@ -15,10 +15,10 @@ class coordinate_unit {
  public:
   explicit coordinate_unit(const latencies& t) : table_(t) {}
 
-  // When a span of `pixels` pixels, ready at `ready` and held for `held_cycles`, enters.
-  interval issue(cycle ready, int pixels, cycle held_cycles) {
+  // When a span of `samples` samples (pixels, or the samples of their footprints), ready at `ready` and held for `held_cycles`, enters.
+  interval issue(cycle ready, int samples, cycle held_cycles) {
     const cycle begin = later(free_at_, ready);
-    free_at_ = begin + cycle(pixels) * cycle(table_.cycles_per_pixel) + held_cycles;
+    free_at_ = begin + cycle(samples) * cycle(table_.cycles_per_pixel) + held_cycles;
     return {begin, free_at_};
   }
 

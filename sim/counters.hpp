@@ -14,7 +14,8 @@ struct counters {
   cycle hidden_load_cycles = 0;   // of load_cycles: while the pipeline takes pixels of the other half
   cycle stall_cycles = 0;         // the pipeline could take a pixel but waits for loading, from the first start to the last
   uint64_t words_loaded = 0;      // 64-bit words into local memory
-  uint64_t fetches = 0;           // 64-bit words out of local memory: one per channel per pixel
+  uint64_t fetches = 0;           // 64-bit words out of local memory: one per channel per sample
+  uint64_t texel_reads = 0;       // texels that samples use: 1 nearest, 3 three-point, 4 others, on each level
   uint64_t bank_conflicts = 0;    // fetches that needed a bank more than once
   uint64_t jobs = 0;              // starts
   uint64_t pixels = 0;

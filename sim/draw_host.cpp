@@ -7,6 +7,7 @@
 
 #include <hal/direct_engine.hpp>
 #include <hal/sim_engine.hpp>
+#include "object_space_host.hpp"
 
 namespace spantex::sim {
 namespace {
@@ -31,17 +32,31 @@ struct target {
   std::vector<uint32_t>& depth;
 };
 
+// The item's map as the options read it.
+status view_of(const scene& s, const drawable& item, const draw_options& o, texture_view& t) {
+  t = s.texture(item);
+  t.set_colours(o.colours);
+  contour_style style = o.contour.value_or(t.contour());
+  style.unit = t.contour().unit;
+  style.outline = o.outline.value_or(style.outline);
+  return t.set_contour(style);
+}
+
 status draw_item(auto& renderer, const drawable& item, const scene& s, const draw_options& o, band b, const target& out) {
   const rectangle rows{0, b.y0, s.size.width_px, b.y1};
+  texture_view map;
+  SPANTEX_TRY(view_of(s, item, o, map));
+  shading how = o.how;
+  if (item.colours.varies || !(item.colours.flat == white)) how.colours = &item.colours;
   if (item.is_polygon) {
     polygon part = item.shape;
     part.box = intersection(part.box, rows);
-    if (!part.box.empty()) SPANTEX_TRY(renderer.draw(part, s.texture(item), o.kind, {out.depth.data()}));
+    if (!part.box.empty()) SPANTEX_TRY(renderer.draw(part, map, o.kind, {out.depth.data()}, how));
     if (o.parts_done) o.parts_done(1);
     return status::ok;
   }
   for (int32_t y = b.y0; y < b.y1; y += span_side) {
-    SPANTEX_TRY(renderer.draw(item.shape.map, s.texture(item), o.kind, {0, y, rows.x1, std::min(y + span_side, b.y1)}));
+    SPANTEX_TRY(renderer.draw(item.shape.map, map, o.kind, {0, y, rows.x1, std::min(y + span_side, b.y1)}, how));
     if (o.parts_done) o.parts_done(1);
   }
   return status::ok;
@@ -49,7 +64,8 @@ status draw_item(auto& renderer, const drawable& item, const scene& s, const dra
 
 template <class Prof, class Engine>
 status draw_band(const Prof& prof, Engine& engine, const scene& s, const draw_options& o, band b, const target& out, draw_counters& work) {
-  renderer<Engine, Prof> r(engine, prof, {out.picture.pixels.data(), s.size.width_px, s.size.height_px, s.size.width_px});
+  for (const texture_map& map : *s.maps) engine.mark({event_kind::map_upload, uint32_t(map.words_uploaded())});
+  renderer<Engine, Prof, shading, counted_reads> r(engine, prof, {out.picture.pixels.data(), s.size.width_px, s.size.height_px, s.size.width_px});
   r.single_half(o.single_half);
   for (const drawable& item : s.items) SPANTEX_TRY(draw_item(r, item, s, o, b, out));
   SPANTEX_TRY(r.finish());
@@ -88,10 +104,13 @@ void add(draw_counters& sum, const draw_counters& c) {
   sum.jobs += c.jobs;
   sum.pixels += c.pixels;
   sum.words_loaded += c.words_loaded;
+  sum.words_read += c.words_read;
   sum.loads_skipped += c.loads_skipped;
   sum.second_levels_skipped += c.second_levels_skipped;
   sum.divides += c.divides;
   sum.corrected_jobs += c.corrected_jobs;
+  sum.pixels_left += c.pixels_left;
+  sum.pixels_blended += c.pixels_blended;
 }
 
 void add(counters& sum, const counters& c) {
@@ -102,6 +121,7 @@ void add(counters& sum, const counters& c) {
   sum.stall_cycles += c.stall_cycles;
   sum.words_loaded += c.words_loaded;
   sum.fetches += c.fetches;
+  sum.texel_reads += c.texel_reads;
   sum.bank_conflicts += c.bank_conflicts;
   sum.jobs += c.jobs;
   sum.pixels += c.pixels;
@@ -133,19 +153,46 @@ double draw_once(const scene& s, const draw_options& o, const std::vector<band>&
 
 }  // namespace
 
+namespace {
+
+// Planes are cut into bands of depth, as one polygon the nearest part would set the pitch of all.
+constexpr double depth_ratio_of_bands = 2;
+
+double draw_in_object_space(const scene& s, const draw_options& options, draw_result& result) {
+  object_space_options o;
+  o.profile = options.profile;
+  o.kind = options.kind;
+  o.background = options.background;
+  o.band_ratio = depth_ratio_of_bands;
+  const auto begun = std::chrono::steady_clock::now();
+  object_space_result r = render_object_space(s, o);
+  const double ns = std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now() - begun).count();
+  result.picture = std::move(r.picture);
+  result.work = r.texturing;
+  result.machine.texel_reads = r.texel_reads;
+  result.items_left_out = r.items_left_out;
+  return ns;
+}
+
+}  // namespace
+
 draw_result draw(const scene& s, const draw_options& options) {
   draw_result result;
   result.picture = image(s.size.width_px, s.size.height_px, options.background);
+  if (!s.maps->empty()) result.format = s.maps->front().view().format();
+  for (const texture_map& map : *s.maps) result.words_uploaded += map.words_uploaded();
   std::vector<uint32_t> depth(s.uses_depth() ? result.picture.pixels.size() : 0);
   const std::vector<band> bands = make_bands(s.size.height_px, options.sink != nullptr ? 1 : options.threads);
   std::vector<double> times;
-  for (int k = 0; k < std::max(1, options.repeat); ++k) times.push_back(draw_once(s, options, bands, result, depth));
+  for (int k = 0; k < std::max(1, options.repeat); ++k) 
+    times.push_back(options.space == sampling_space::object ? draw_in_object_space(s, options, result) : draw_once(s, options, bands, result, depth));
   std::nth_element(times.begin(), times.begin() + std::ptrdiff_t(times.size() / 2), times.end());
   result.ns_per_pixel = times[times.size() / 2] / double(result.picture.pixels.size());
   return result;
 }
 
 int draw_parts(const scene& s, const draw_options& options) {
+  if (options.space == sampling_space::object) return 0;
   const int bands = int(make_bands(s.size.height_px, options.threads).size()), rows = (s.size.height_px + span_side - 1) / span_side;
   int parts = 0;
   for (const drawable& item : s.items) parts += item.is_polygon ? bands : rows;

@@ -5,6 +5,7 @@
 #include <stdint.h>
 
 #include <array>
+#include <optional>
 #include <string_view>
 
 #include <spantex/draw.hpp>
@@ -19,6 +20,10 @@ namespace spantex::sim {
 
 enum class profile_choice : uint8_t { seed, compact, standard, exact };
 enum class engine_choice : uint8_t { direct, simulated };
+enum class sampling_space : uint8_t {
+  screen,   // spans of the screen, each pixel its own position on the map
+  object,   // RD16: a grid on the polygon, spread over the screen (spantex/object_space.hpp); direct engine, one thread
+};
 
 template <class T> struct named { std::string_view name; T value; };
 
@@ -26,11 +31,25 @@ inline constexpr std::array<named<profile_choice>, 4> profile_names{
     {{"seed", profile_choice::seed}, {"compact", profile_choice::compact},
      {"default", profile_choice::standard}, {"exact", profile_choice::exact}}};
 inline constexpr std::array<named<engine_choice>, 2> engine_names{{{"direct", engine_choice::direct}, {"sim", engine_choice::simulated}}};
-inline constexpr std::array<named<filter>, 6> filter_names{{{"nearest", filter::nearest}, {"bilinear", filter::bilinear},
+inline constexpr std::array<named<filter>, 11> filter_names{{{"nearest", filter::nearest}, {"bilinear", filter::bilinear},
                                                             {"three-point", filter::three_point}, {"mip-bilinear", filter::mip_bilinear},
-                                                            {"trilinear", filter::trilinear}, {"trilinear3", filter::trilinear3}}};
+                                                            {"trilinear", filter::trilinear}, {"trilinear3", filter::trilinear3},
+                                                            {"squares", filter::squares}, {"aniso", filter::aniso},
+                                                            {"step", filter::step}, {"hat", filter::hat}, {"contour", filter::contour}}};
+inline constexpr std::array<named<sampling_space>, 2> space_names{{{"screen", sampling_space::screen}, {"object", sampling_space::object}}};
+inline constexpr std::array<named<spantex::alpha_mode>, 4> alpha_names{
+    {{"opaque", spantex::alpha_mode::opaque}, {"cut-out", spantex::alpha_mode::cut_out},
+     {"blended", spantex::alpha_mode::blended}, {"premultiplied", spantex::alpha_mode::premultiplied}}};
 inline constexpr std::array<named<wrap>, 3> wrap_names{{{"repeat", wrap::repeat}, {"clamp", wrap::clamp}, {"mirror", wrap::mirror}}};
-inline constexpr std::array<named<prefilter>, 2> prefilter_names{{{"box", prefilter::box}, {"triangle", prefilter::triangle}}};
+inline constexpr std::array<named<prefilter>, 4> prefilter_names{{{"box", prefilter::box}, {"triangle", prefilter::triangle},
+                                                                  {"kaiser", prefilter::kaiser}, {"lanczos", prefilter::lanczos}}};
+
+inline constexpr std::array<named<texel_format>, texel_format_count> format_names{
+    {{"rgba8888", texel_format::rgba8888}, {"rgb565", texel_format::rgb565}, {"argb1555", texel_format::argb1555},
+     {"argb4444", texel_format::argb4444}, {"rgb888", texel_format::rgb888}, {"l8", texel_format::l8}, {"la88", texel_format::la88},
+     {"a8", texel_format::a8}, {"palette8", texel_format::palette8}, {"palette4", texel_format::palette4}, {"bc1", texel_format::bc1},
+     {"bc2", texel_format::bc2}, {"bc3", texel_format::bc3}, {"etc1", texel_format::etc1}, {"etc2_rgb8", texel_format::etc2_rgb8},
+     {"etc2_rgba8", texel_format::etc2_rgba8}, {"etc2_rgb8a1", texel_format::etc2_rgb8a1}}};
 
 template <class T, size_t N>
 constexpr std::string_view name_of(const std::array<named<T>, N>& names, T value) {
@@ -43,6 +62,11 @@ struct draw_options {
   profile_choice profile = profile_choice::standard;
   engine_choice engine = engine_choice::direct;
   filter kind = filter::bilinear;
+  sampling_space space = sampling_space::screen;
+  shading how{};                     // alpha; colour where an item has none of its own
+  colour_space colours = colour_space::coded;
+  std::optional<contour_style> contour;  // instead of the maps' own; their field_unit is kept
+  std::optional<uint8_t> outline;        // 1/16 pixel, likewise
   rgba8 background{0, 0, 0, 255};
   int threads = 1;
   int repeat = 1;
@@ -55,9 +79,12 @@ struct draw_options {
 struct draw_result {
   image picture;
   draw_counters work;                // of one repetition, summed over the threads
+  texel_format format = texel_format::rgba8888;  // of the first map
+  uint64_t words_uploaded = 0;       // 64-bit words of all maps into global texture memory, before drawing
   counters machine;                  // engine sim: summed, total_cycles the longest
   int machines = 0;                  // engines, one per thread that had a row of spans
   cycle cycles_of_all_machines = 0;  // engine sim: total_cycles, summed
+  int items_left_out = 0;            // object space: too large a grid, or nothing in front
   double ns_per_pixel = 0;           // median; from coefficients and prepared maps in memory to pixels in memory
 };
 

@@ -5,10 +5,19 @@
 #include <cstdint>
 
 #include <spantex/plane.hpp>
+#include <spantex/profile.hpp>
 
 namespace spantex::sim {
 
 __extension__ using int128 = __int128;
+__extension__ using uint128 = unsigned __int128;
+
+constexpr int128 size_of(int128 x) { return x < 0 ? -x : x; }
+constexpr int128 int128_of(wide a) { return int128(uint128(uint64_t(a.high)) << 64 | a.low); }
+constexpr int bits_of(int128 x) {
+  const uint128 m = uint128(size_of(x));
+  return uint64_t(m >> 64) != 0 ? 64 + bit_length(uint64_t(m >> 64)) : bit_length(uint64_t(m));
+}
 
 // |raw / 2^16 - numerator / w| in texels, from an exact integer difference; w > 0. 32 + 45 and 59 + 16 bits: nothing overflows.
 inline double coordinate_error(int32_t raw, int64_t numerator, int64_t w) {
@@ -19,7 +28,7 @@ inline double coordinate_error(int32_t raw, int64_t numerator, int64_t w) {
 
 // The exact position lies within (-2^15, 2^15), so a coordinate is promised for it.
 inline bool in_range(int64_t numerator, int64_t w) {
-  const int128 limit = (int128(32767)) * w;
+  const int128 limit = int128(w) << 15;
   return numerator < limit && numerator > -limit;
 }
 
@@ -48,6 +57,20 @@ inline long double exact_level(const plane& p, int32_t hx, int32_t hy) {
 // KT88's formula at a point where w > 0: log2 K - 2 log2 W, with the plane's own log2 K.
 inline long double exact_major_level(const plane& p, int32_t hx, int32_t hy) {
   return static_cast<long double>(p.major_log2) / 65536 - 2 * std::log2(static_cast<long double>(p.w_at(hx, hy)));
+}
+
+// Its counterpart for the minor axis: log2 K' - log2 W.
+inline long double exact_minor_level(const plane& p, int32_t hx, int32_t hy) {
+  return static_cast<long double>(p.minor_log2) / 65536 - std::log2(static_cast<long double>(p.w_at(hx, hy)));
+}
+
+inline long double exact_level(level_formula f, const plane& p, int32_t hx, int32_t hy) {
+  switch (f) {
+    case level_formula::major: return exact_major_level(p, hx, hy);
+    case level_formula::minor: return exact_minor_level(p, hx, hy);
+    case level_formula::jacobian: break;
+  }
+  return exact_level(p, hx, hy);
 }
 
 }  // namespace spantex::sim

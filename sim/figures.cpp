@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "distance_field.hpp"
 #include "pattern.hpp"
 
 namespace spantex::sim {
@@ -24,7 +25,7 @@ double radians(double degrees) { return degrees * M_PI / 180; }
 
 std::shared_ptr<const map_list> maps_of(const scene_request& r, std::initializer_list<image> pictures) {
   map_list maps;
-  for (const image& p : pictures) maps.emplace_back(p, r.levels, r.wrap_u, r.wrap_v);
+  for (const image& p : pictures) maps.emplace_back(p, r.levels, r.wrap_u, r.wrap_v, r.format);
   return std::make_shared<const map_list>(std::move(maps));
 }
 
@@ -38,14 +39,14 @@ matrix stretched(matrix m, screen_size size) {
 }
 
 scene plane_scene(const plane_by_name& p, const scene_request& r) {
-  scene s{p.name, r.size, maps_of(r, {r.texture ? *r.texture : photographic_pattern(512, 1)}), {}};
+  scene s{p.name, r.size, plane_maps(r), {}};
   add_plane(s, stretched(p.coefficients, r.size), 0);
   return s;
 }
 
 // A ground plane `height` below a camera pitched down, 40 x 30 degrees of view, texture axes turned by `turn`.
-scene ground_scene(const char* name, const scene_request& r, double height, double pitch_degrees, double turn_degrees) {
-  constexpr double texels_per_unit = 256;
+scene ground_scene(const char* name, const scene_request& r, const image& map, double texels_per_unit, double height, double pitch_degrees,
+                   double turn_degrees) {
   const double pitch = radians(pitch_degrees), turn = radians(turn_degrees + r.turn_degrees);
   const vector3d down{0, cos(pitch), sin(pitch)}, ahead{0, -sin(pitch), cos(pitch)}, right{1, 0, 0};
   const auto axis = [&](double along_right, double along_ahead) {
@@ -60,8 +61,22 @@ scene ground_scene(const char* name, const scene_request& r, double height, doub
   const kt88_plane q{point(down, 1, 30), to_fixed(-height), axis(cos(turn), sin(turn)), axis(sin(turn), -cos(turn)),
                      point(down, height, 16), 0, 0};
   const auto step = [](double degrees, int pixels) { return uint32_t(ldexp(2.0 / pixels * tan(radians(degrees) / 2), 32)); };
-  scene s{name, r.size, maps_of(r, {squares_pattern(map_side, squares)}), {}};
+  scene s{name, r.size, maps_of(r, {map}), {}};
   add_plane(s, q, {step(40, r.size.width_px), step(30, r.size.height_px), r.size.width_px, r.size.height_px}, 0);
+  return s;
+}
+
+// The grazing plane with a field of 128 texels a side made of a mask eight times as fine.
+scene contour_scene(const char* name, const scene_request& r) {
+  constexpr int field_side = 128, reduction = 8, scale = 16, outline_16 = 32;
+  constexpr double magnified = 12;
+  constexpr rgba8 ink{240, 236, 216, 255};
+  map_list maps;
+  maps.push_back(make_field_map(shapes_mask(field_side * reduction), reduction, scale, outline_16, ink, r.wrap_u, r.wrap_v));
+  scene s{name, r.size, std::make_shared<const map_list>(std::move(maps)), {}};
+  matrix m = planes[2].coefficients;
+  for (size_t k = 0; k < 6; ++k) m[k] /= magnified;
+  add_plane(s, stretched(m, r.size), 0);
   return s;
 }
 
@@ -121,7 +136,7 @@ scene cubes_scene(const char* name, const scene_request& r, vector3d eye, const 
 }  // namespace
 
 const std::vector<std::string>& scene_names() {
-  static const std::vector<std::string> names{"facing", "tilted", "grazing", "fig6", "fig7", "fig8", "fig9"};
+  static const std::vector<std::string> names{"facing", "tilted", "grazing", "fig6", "fig7", "fig8", "fig9", "contour", "chessboard"};
   return names;
 }
 
@@ -135,11 +150,18 @@ std::optional<matrix> named_plane(const std::string& name) {
   return std::nullopt;
 }
 
+std::shared_ptr<const map_list> plane_maps(const scene_request& r) {
+  if (r.maps != nullptr) return r.maps;
+  return maps_of(r, {r.texture ? *r.texture : photographic_pattern(512, 1)});
+}
+
 scene make_named_scene(const std::string& name, const scene_request& r) {
   for (const plane_by_name& p : planes)
     if (name == p.name) return plane_scene(p, r);
-  if (name == "fig6") return ground_scene("fig6", r, 4, 60, 25);
-  if (name == "fig7") return ground_scene("fig7", r, 1, 9, 12);
+  if (name == "fig6") return ground_scene("fig6", r, squares_pattern(map_side, squares), map_side, 4, 60, 25);
+  if (name == "fig7") return ground_scene("fig7", r, squares_pattern(map_side, squares), map_side, 1, 9, 12);
+  if (name == "chessboard") return ground_scene("chessboard", r, chessboard_pattern(2 * chessboard_texels, 2), chessboard_texels, 1.5, 9, 25);
+  if (name == "contour") return contour_scene("contour", r);
   if (name == "fig8") return cubes_scene("fig8", r, {-6.5, 6.2, 8.6}, {-0.2, 2.6, -1});
   return cubes_scene("fig9", r, {8.8, 7.4, 6.2}, {-0.6, 1.9, -0.8});
 }

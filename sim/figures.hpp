@@ -6,7 +6,10 @@
 //   fig7                      figure 7: a long surface seen at a grazing angle, up to its horizon
 //   fig8, fig9                figures 8 and 9: thirty faces, two maps; a random one on the six faces of the background, squares on the
 //                             twenty-four of four cubes; two views
+//   contour                   a contour map of a few shapes up to its horizon, from 16 pixels a texel to 16 texels a pixel; for filter contour
+//   chessboard                GCK09's test: (floor X + floor Z) mod 2 on the ground, to the horizon; a map of 2x2 squares that repeats
 #pragma once
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -18,17 +21,24 @@
 
 namespace spantex::sim {
 
+inline constexpr int chessboard_texels = 32;  // along a square of the chessboard
+
 struct scene_request {
   screen_size size{640, 480};
   prefilter levels = prefilter::box;
   wrap wrap_u = wrap::repeat, wrap_v = wrap::repeat;
+  texel_format format = texel_format::rgba8888;  // of every map
   std::optional<image> texture;     // of the three planes; a photographic pattern if empty
+  std::shared_ptr<const map_list> maps;  // or their map, prepared: levels and wraps above do not apply
   double turn_degrees = 0;          // of the camera, for turntables
 };
 
 const std::vector<std::string>& scene_names();
 bool is_scene_name(const std::string& name);
 std::optional<matrix> named_plane(const std::string& name);  // facing, tilted, grazing at 640x480
+
+// The map of a plane, as the request says.
+std::shared_ptr<const map_list> plane_maps(const scene_request& request);
 
 // For a name of scene_names().
 scene make_named_scene(const std::string& name, const scene_request& request);

@@ -1,41 +1,42 @@
 // SPDX-License-Identifier: Apache-2.0
-// A map with its levels, owned. Level L has sides max(1, floor(size / 2^L)).
-//
-// Prefilters, each a weighted mean along u and along v, exact integers, rounded once per level, to nearest, halves to even
-// (halves up would brighten a 2x2 mean by an eighth of a step a level):
-//   box       a texel is the mean of the part of the finer level that it covers: 2x2 for even sides; for an odd side 2m+1 three
-//             texels with weights m-i, m, i+1 over 2m+1 (the box moves through its phases), so a level covers the whole map
-//   triangle  KT88: filtered with [1 2 1] x [1 2 1] / 16, then halved. Halving takes the same means as box (for even sides together
-//             [1 3 3 1] / 8): taking every other texel instead would move the map by half a texel a level
-// The triangle reads neighbours through the wrap mode, so a repeating map stays seamless on every level.
+// A map with its levels, owned: made from a picture by a prefilter, encoded in one format and uploaded into global texture memory of its own;
+// or held as a compiled pack (pack.hpp). Level L has sides max(1, floor(size / 2^L)).
 #pragma once
 #include <stdint.h>
 
+#include <string>
 #include <vector>
 
 #include <spantex/texture.hpp>
+#include "encode.hpp"
+#include "file.hpp"
 #include "image.hpp"
+#include "prefilter.hpp"
 
 namespace spantex::sim {
 
-enum class prefilter : uint8_t { box, triangle };
-
 class texture_map {
  public:
-  texture_map(image level0, prefilter kind, wrap u, wrap v);
+  // A palette, where the format has one, is made from level 0.
+  texture_map(image level0, prefilter kind, wrap u, wrap v, texel_format format = texel_format::rgba8888);
+  // Levels as they are.
+  texture_map(std::vector<image> levels, wrap u, wrap v, texel_format format = texel_format::rgba8888);
+  // A pack as it is in a file, used in place. Throws input_error, `name` in front, for a damaged one or one of the other byte order.
+  texture_map(bytes pack, const std::string& name);
   texture_map(texture_map&&) = default;
   texture_map& operator=(texture_map&&) = default;
 
   const texture_view& view() const { return view_; }
-  const image& level(int index) const { return levels_[size_t(index)]; }
-  int level_count() const { return int(levels_.size()); }
+  void set_contour(const contour_style& style);  // throws input_error
+  const image& level(int index) const { return levels_[size_t(index)]; }  // of a map made from a picture, before encoding
+  int level_count() const { return view_.level_count(); }
+  uint64_t words_uploaded() const { return memory_.size(); }  // 64-bit words of global texture memory; none for a pack
 
  private:
   std::vector<image> levels_;
-  texture_view view_;  // points into levels_, whose texels stay where they are when the map is moved
+  std::vector<uint64_t> memory_;
+  bytes pack_;
+  texture_view view_;  // points into memory_ or pack_, whose bytes stay where they are when the map is moved
 };
-
-// One level from the next finer one.
-image halved(const image& fine, prefilter kind, wrap u, wrap v);
 
 }  // namespace spantex::sim

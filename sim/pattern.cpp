@@ -52,6 +52,30 @@ image squares_pattern(int side, int squares_per_side) {
   return out;
 }
 
+image shapes_mask(int side) {
+  image out(side, side, {0, 0, 0, 255});
+  const auto inside = [](int x, int y) {  // in 1/1024 of the side, doubled: centres are odd
+    const auto within = [&](int cx, int cy, int r) { return (x - cx) * (x - cx) + (y - cy) * (y - cy) < r * r; };
+    const auto box = [&](int x0, int y0, int x1, int y1) { return x > x0 && x < x1 && y > y0 && y < y1; };
+    const bool disc = within(520, 520, 300), ring = within(1520, 520, 320) && !within(1520, 520, 180);
+    const bool cross = box(240, 1440, 800, 1600) || box(440, 1240, 600, 1800);
+    const bool triangle = y < 1800 && 9 * (y - 1240) > 16 * (x > 1520 ? x - 1520 : 1520 - x);
+    return disc || ring || cross || triangle;
+  };
+  for (int y = 0; y < side; ++y)
+    for (int x = 0; x < side; ++x)
+      if (inside((2 * x + 1) * 1024 / side, (2 * y + 1) * 1024 / side)) out.at(x, y) = {255, 255, 255, 255};
+  return out;
+}
+
+image chessboard_pattern(int side, int squares_per_side) {
+  image out(side, side, {0, 0, 0, 255});
+  for (int y = 0; y < side; ++y)
+    for (int x = 0; x < side; ++x)
+      if ((x * squares_per_side / side + y * squares_per_side / side) % 2 != 0) out.at(x, y) = {255, 255, 255, 255};
+  return out;
+}
+
 image photographic_pattern(int side, uint32_t seed) {
   image out(side, side, {});
   for (int y = 0; y < side; ++y)

@@ -117,4 +117,23 @@ image difference_picture(const image& a, const image& b) {
   return out;
 }
 
+double worst_error(const image& a, const ideal_image& b) {
+  double worst = 0;
+  for (size_t k = 0; k < a.pixels.size(); ++k) {
+    const std::array<int, channel_count> c = channels(a.pixels[k]);
+    for (size_t n = 0; n < colour_count; ++n) worst = std::max(worst, fabs(c[n] - b.pixels[k][n]));
+  }
+  return worst;
+}
+
+image rounded(const ideal_image& a) {
+  image out(a.width_px, a.height_px, {});
+  const auto byte = [](double x) { return uint8_t(std::clamp(floor(x + 0.5), 0.0, 255.0)); };
+  for (size_t k = 0; k < a.pixels.size(); ++k) {
+    const ideal_colour& c = a.pixels[k];
+    out.pixels[k] = {byte(c[0]), byte(c[1]), byte(c[2]), byte(c[3])};
+  }
+  return out;
+}
+
 }  // namespace spantex::sim

@@ -13,6 +13,8 @@ namespace spantex::sim {
 
 double psnr_db(const image& a, const ideal_image& b);
 double psnr_db(const image& a, const image& b);
+double worst_error(const image& a, const ideal_image& b);  // of one colour channel
+image rounded(const ideal_image& a);                       // to nearest
 double ssim(const image& a, const image& b);
 
 struct difference {

@@ -35,8 +35,13 @@ lens make_lens(screen_size size, double vertical_angle, double near_z) {
 }
 
 void add_polygon(scene& s, const lens& view, const vertex* vertices, int count, int map_index) {
-  drawable item{true, {}, {}, map_index};
-  const status made = make_polygon(vertices, count, view.camera, view.clip, item.shape);
+  const std::vector<rgba8> colours(size_t(count), white);
+  add_polygon(s, view, vertices, colours.data(), count, map_index);
+}
+
+void add_polygon(scene& s, const lens& view, const vertex* vertices, const rgba8* colours, int count, int map_index) {
+  drawable item{true, {}, {}, map_index, std::vector<vertex>(vertices, vertices + count), view.camera};
+  const status made = make_polygon(vertices, colours, count, view.camera, view.clip, item.shape, item.colours);
   if (made == status::degenerate) return;
   if (made != status::ok) throw input_error(s.name + ": polygon: " + to_string(made));
   item.ideal = matrix_of(vertices, count, view.camera).value_or(matrix_of(item.shape.map));

@@ -10,6 +10,7 @@
 
 #include <spantex/plane.hpp>
 #include <spantex/polygon.hpp>
+#include <spantex/shade.hpp>
 #include "ideal.hpp"
 #include "map.hpp"
 
@@ -22,6 +23,9 @@ struct drawable {
   polygon shape;
   matrix ideal;
   int map_index;
+  std::vector<vertex> corners{};  // of a polygon, as it was given, and its lens
+  projection camera{};
+  colour_forms colours{{}, white, 0};  // of a polygon's vertices
 };
 
 using map_list = std::vector<texture_map>;
@@ -46,6 +50,7 @@ lens make_lens(screen_size size, double vertical_angle, double near_z);
 // Adds a convex polygon given by vertices in camera space. One that is edge-on, outside the picture or nearer than the lens allows is
 // left out. Throws input_error for vertices beyond what the engine takes.
 void add_polygon(scene& s, const lens& view, const vertex* vertices, int count, int map_index);
+void add_polygon(scene& s, const lens& view, const vertex* vertices, const rgba8* colours, int count, int map_index);
 
 // A plane over the whole screen from doubles, already checked; one wholly behind the viewer is left out.
 void add_plane(scene& s, const matrix& m, int map_index);

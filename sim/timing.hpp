@@ -41,7 +41,9 @@ struct latencies {
   int port_words = 4;              // 64-bit words the loader port moves at once: one a channel
   int cycles_per_transfer = 1;     // of port_words words
   int burst_start_cycles = 4;      // from the request of a burst to its first word
-  int coefficient_words = int((sizeof(span_coefficients) + 7) / 8);  // 64-bit words of one coefficient memory
+  int coefficient_words = int((sizeof(span_coefficients) - sizeof(axis_terms) - sizeof(contour_terms) + 7) / 8);  // 64-bit words of a span's coefficients
+  int axis_words = int((sizeof(axis_terms) + 7) / 8);  // more, for filters with a footprint
+  int contour_words = int((sizeof(contour_terms) + 7) / 8);  // more, for filter contour
   int cycles_per_pixel = 1;        // issue rate of the pipeline
   int coordinate_fill_cycles = 6;  // w, reciprocal (table, two multiplications), product, snapping, correction
   int fetch_fill_cycles = 1;       // banks and output switch
@@ -54,7 +56,7 @@ struct latencies {
 };
 
 constexpr bool is_valid(const latencies& t) {
-  return t.port_words >= 1 && t.cycles_per_transfer >= 1 && t.burst_start_cycles >= 0 && t.coefficient_words >= 0 &&
+  return t.port_words >= 1 && t.cycles_per_transfer >= 1 && t.burst_start_cycles >= 0 && t.coefficient_words >= 0 && t.axis_words >= 0 && t.contour_words >= 0 &&
          t.cycles_per_pixel >= 1 && t.coordinate_fill_cycles >= 0 && t.fetch_fill_cycles >= 0 && t.filter_fill_cycles >= 0 &&
          t.write_out_cycles >= 0;
 }

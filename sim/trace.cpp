@@ -195,8 +195,10 @@ void timeline_writer::stall(interval time) { write(slice("stall", pipeline_track
 
 void timeline_writer::mark(cycle at, event what) {
   nlohmann::json entry = {{"ph", "i"}, {"pid", 1}, {"tid", pipeline_track}, {"ts", at}, {"s", "t"}};
-  entry["name"] = what.kind == event_kind::span ? "span" : "frame end";
+  constexpr const char* names[] = {"span", "frame end", "map upload"};
+  entry["name"] = names[int(what.kind)];
   if (what.kind == event_kind::span) entry["args"] = {{"x", what.value & 0xFFFF}, {"y", what.value >> 16}};
+  if (what.kind == event_kind::map_upload) entry["args"] = {{"words", what.value}};
   write(entry);
 }
 

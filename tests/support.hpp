@@ -298,8 +298,11 @@ status render_plane_direct(const Prof& prof, const plane& p, const texture_view&
   return render_plane(prof, engine, p, t, kind, out);
 }
 
-inline constexpr filter all_filters[] = {filter::nearest, filter::bilinear, filter::three_point, filter::mip_bilinear, filter::trilinear,
-                                         filter::trilinear3};
+inline constexpr filter one_sample_filters[] = {filter::nearest,      filter::bilinear,  filter::three_point,
+                                                filter::mip_bilinear, filter::trilinear, filter::trilinear3};
+inline constexpr filter all_filters[] = {filter::nearest,   filter::bilinear,   filter::three_point, filter::mip_bilinear,
+                                         filter::trilinear, filter::trilinear3, filter::squares,     filter::aniso,
+                                         filter::contour,   filter::step,       filter::hat};
 inline constexpr wrap all_wraps[] = {wrap::repeat, wrap::clamp, wrap::mirror};
 
 struct named_profile { const char* name; profile value; };

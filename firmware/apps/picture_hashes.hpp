@@ -67,9 +67,11 @@ constexpr const char* name_of(picture p) {
   constexpr const char* names[picture_count] = {"facing", "tilted", "horizon", "polygons"};
   return names[int(p)];
 }
-inline constexpr int filter_count = 6;
+inline constexpr int filter_count = 10;
 constexpr const char* name_of(filter f) {
-  constexpr const char* names[filter_count] = {"nearest", "bilinear", "three-point", "mip-bilinear", "trilinear", "trilinear3"};
+  constexpr const char* names[filter_count] = {"nearest",   "bilinear",   "three-point", "mip-bilinear",
+                                                "trilinear", "trilinear3", "squares",     "aniso",
+                                                "step",      "hat"};
   return names[int(f)];
 }
 inline constexpr int wrap_count = 3;
@@ -150,6 +152,56 @@ void each_hash(scratch& memory, direct_engine<Prof>& engine, Report report) {
         for (int odd = 0; odd < 2; ++odd)
           report(picture(what), filter(kind), wrap(mode), odd != 0,
                  hash_of<Prof>(picture(what), filter(kind), wrap(mode), odd != 0, engine, memory));
+}
+
+// --- contours, linear light, write-out -----------------------------------------------------------------
+
+struct style { const char* name; filter kind; bool linear_light, vertex_colours; contour_style contour; shading how; };
+inline constexpr style styles[] = {
+    {"contour-fill", filter::contour, false, false, {130 << 8, 40 << 8, 0, field_unit::level_0}, {}},
+    {"contour-line", filter::contour, true, false, {100 << 8, 70 << 7, 29, field_unit::own_level}, {alpha_mode::blended}},
+    {"linear-three-point", filter::three_point, true, false, {}, {}},
+    {"linear-trilinear", filter::trilinear, true, true, {}, {alpha_mode::premultiplied}},
+    {"linear-squares", filter::squares, true, false, {}, {}},
+    {"linear-aniso", filter::aniso, true, false, {}, {alpha_mode::opaque, 0, {200, 255, 90, 17}}},
+    {"cut-out", filter::mip_bilinear, false, true, {}, {alpha_mode::cut_out, 150}},
+    {"blended", filter::bilinear, false, true, {}, {alpha_mode::blended}}};
+
+inline constexpr rgba8 vertex_colours[4] = {{255, 0, 10, 255}, {20, 255, 200, 255}, {255, 255, 255, 60}, {0, 90, 255, 200}};
+
+template <class Prof>
+uint32_t shaded_hash_of(picture what, const style& s, direct_engine<Prof>& engine, scratch& memory) {
+  for (int k = 0; k < frame_width * frame_height; ++k) {
+    memory.frame[k] = {9, 99, 199, 255};
+    memory.depth[k] = 0;
+  }
+  texture_view map;
+  if (odd_map.view(wrap::repeat, map) != status::ok || map.set_contour(s.contour) != status::ok) return 0;
+  if (s.linear_light) map.set_colours(colour_space::srgb);
+  renderer<direct_engine<Prof>, Prof, shading> r(engine, Prof{}, {memory.frame, frame_width, frame_height, frame_width});
+  const rectangle screen{0, 0, frame_width, frame_height};
+  if (what != picture::polygons) {
+    plane p{};
+    if (make_plane(plane_of(what), screen, p) != status::ok || r.draw(p, map, s.kind, screen, s.how) != status::ok) return 0;
+    return r.finish() == status::ok ? fnv1a(memory.frame, frame_width * frame_height) : 0;
+  }
+  const projection camera{frame_width << 15, frame_width << 15, frame_width << 15, frame_height << 15, 1 << 14};
+  for (const auto& corners : quads) {
+    polygon p{};
+    colour_forms colours{};
+    if (make_polygon(corners, vertex_colours, 4, camera, screen, p, colours) != status::ok) return 0;
+    shading how = s.how;
+    if (s.vertex_colours) how.colours = &colours;
+    if (r.draw(p, map, s.kind, {memory.depth}, how) != status::ok) return 0;
+  }
+  return r.finish() == status::ok ? fnv1a(memory.frame, frame_width * frame_height) : 0;
+}
+
+// report(picture, style's name, hash), the map of 20 x 12 texels, repeated.
+template <class Prof, class Report>
+void each_shaded_hash(scratch& memory, direct_engine<Prof>& engine, Report report) {
+  for (int what = 0; what < picture_count; ++what)
+    for (const style& s : styles) report(picture(what), s.name, shaded_hash_of(picture(what), s, engine, memory));
 }
 
 }  // namespace spantex::app

@@ -20,6 +20,12 @@ constexpr int mantissa_exponent(const profile& p, int extent_log2) {
   return min_of(p.offset_bits - 1 - extent_log2, max_exponent);
 }
 
+// How far a position's offset may be shifted down to coordinate_bits: affine at the largest exponent; otherwise the extent is at least
+// 2^-tolerance_bits, or the evaluation would be affine.
+constexpr int longest_position_shift(const profile& p) {
+  return max_of(max_exponent, mantissa_exponent(p, -p.tolerance_bits) + p.reciprocal_bits) - p.coordinate_bits;
+}
+
 namespace detail {
 
 // 2^(error_unit_log2 + e), or 1 where that is below the unit: always rounded up.
@@ -53,28 +59,83 @@ constexpr uint64_t evaluation_bound(const profile& p, int extent_log2, bool divi
          (divides ? detail::bound_scaled(reciprocal_unit_bound(p), extent_log2 + 1) : 0);
 }
 
-// End to end: |computed - exact| of a texture coordinate within s15.16, for spans that reach up to 2^extent_log2 texels.
+// Set-up: |rounded form - exact| in half units of the form, dx, dy half pixels from its origin: three coefficients, each to nearest.
+constexpr int64_t set_up_half_units(int32_t dx, int32_t dy) { return int64_t(magnitude(dx)) + int64_t(magnitude(dy)) + 1; }
+
+// Numerator of a pixel evaluated about its own centre: one quotient below 1 texel with a cut of its own.
+constexpr uint64_t pixel_numerator_bound(const profile& p) {
+  return detail::bound_power(-29) + detail::bound_power(-31) + detail::bound_power(-min_of(p.offset_bits - 2, max_exponent) - 1);
+}
+
+// End to end, |computed - exact| of a texture coordinate within s15.16, for spans that reach up to 2^extent_log2 texels, by how 1/w is
+// evaluated; pixels about their own centre have no slopes.
+constexpr uint64_t affine_bound(const profile& p, int extent_log2) {
+  return evaluation_bound(p, extent_log2, false, true) + numerator_bound(p, extent_log2);
+}
+constexpr uint64_t one_term_bound(const profile& p, int extent_log2) {
+  return evaluation_bound(p, extent_log2, false, true) + 2 * numerator_bound(p, extent_log2) +
+         detail::bound_scaled(relative_w_bound(p), extent_log2);
+}
+constexpr uint64_t divide_bound(const profile& p, int extent_log2) {
+  return evaluation_bound(p, extent_log2, true, false) + 2 * numerator_bound(p, extent_log2) +
+         detail::bound_scaled(relative_w_bound(p), extent_log2 + 2);
+}
+constexpr uint64_t pixel_bound(const profile& p) { return evaluation_bound(p, 0, false, false) + pixel_numerator_bound(p); }
+
+// In addition, for positions between the largest s15.16 and 2^15: they come out as that largest one at best.
+constexpr uint64_t saturation_bound() { return detail::bound_power(-16); }
+
 constexpr uint64_t coordinate_bound(const profile& p, int extent_log2 = max_extent_log2) {
-  const uint64_t n = numerator_bound(p, extent_log2), w = relative_w_bound(p);
-  const uint64_t affine = evaluation_bound(p, extent_log2, false, true) + n;
-  const uint64_t one_term = evaluation_bound(p, extent_log2, false, true) + 2 * n + detail::bound_scaled(w, extent_log2);
-  const uint64_t divide = evaluation_bound(p, extent_log2, true, false) + 2 * n + detail::bound_scaled(w, extent_log2 + 2);
+  const uint64_t affine = affine_bound(p, extent_log2), one_term = one_term_bound(p, extent_log2), divide = divide_bound(p, extent_log2);
   return affine > one_term ? (affine > divide ? affine : divide) : (one_term > divide ? one_term : divide);
 }
 
-// |snapped - exact| of a blending filter's position on a level, in texels of that level: the coordinate, the ratio of sizes that do not
-// halve exactly (31 bits), and half a step of the weights (a whole one if
-// positions are cut).
-constexpr uint64_t snapped_bound(const profile& p, int level) {
-  return detail::bound_scaled(coordinate_bound(p), -level) + detail::bound_power(-17 - level) + detail::bound_power(-p.subtexel_bits - (p.position_rounding == rounding::floor ? 0 : 1));
+// |snapped - exact| of a blending filter's position on a level, in texels of that level, beside the coordinate's own error: the ratio of
+// sizes that do not halve exactly (31 bits), and half a step of the weights (a whole one if positions are cut).
+constexpr uint64_t snapping_bound(const profile& p, int level) {
+  return detail::bound_power(-17 - level) + detail::bound_power(-p.subtexel_bits - (p.position_rounding == rounding::floor ? 0 : 1));
 }
 
-// |computed - formula| of the level of detail where it lies in [0, last], in 2^-40 level: terms, final rounding, log2 twice and a
-// half, and the span's mantissas.
-constexpr uint64_t level_bound(const profile& p) {
+// With the coordinate's error, for spans of any reach.
+constexpr uint64_t snapped_bound(const profile& p, int level) {
+  return detail::bound_scaled(coordinate_bound(p), -level) + snapping_bound(p, level);
+}
+
+// log2_16(), in 2^-40: less than 1 above the true value, at most 3.91 units of 2^-16 below it (exhaustive: tests/unit/log2.cpp).
+constexpr uint64_t log2_bound() { return 4 * detail::bound_power(-16); }
+
+namespace detail {
+
+// What every level of detail has in common: terms rounded to 10 bits, the final rounding, and w.
+constexpr uint64_t level_rounding_bound(const profile& p) {
   constexpr int term_bits = 10;
-  return detail::bound_power(-term_bits - 1) + detail::bound_power(-p.level_bits - 1) + 10 * detail::bound_power(-16) +
-         detail::bound_power(14 - p.offset_bits) + 6 * relative_w_bound(p);
+  return bound_power(-term_bits - 1) + bound_power(-p.level_bits - 1) + 6 * relative_w_bound(p);
+}
+
+}  // namespace detail
+
+// |computed - formula| of the level of detail where it lies in [0, last], in 2^-40 level. Jacobian: log2 twice and a half, the
+// span's mantissas, and its slopes in the gradient.
+constexpr uint64_t level_bound(const profile& p) {
+  return detail::level_rounding_bound(p) + 5 * log2_bound() / 2 + detail::bound_power(14 - p.offset_bits) +
+         144 * detail::bound_power(-p.reciprocal_bits);
+}
+
+// Major axis, against the plane's log2 K: log2 W0 twice and log2 w twice.
+constexpr uint64_t major_level_bound(const profile& p) { return detail::level_rounding_bound(p) + 4 * log2_bound(); }
+
+// |colour - exact filtering at the snapped position and level| in 2^-40 LSB: a rounding wherever more fraction bits meet than the stage
+// keeps (filter.hpp), and write-out.
+constexpr uint64_t colour_bound(const profile& p, bool two_levels) {
+  constexpr int most_bits = 24;  // what 32 bits hold beside a texel
+  const int half = p.colour_rounding == rounding::floor ? 0 : 1;
+  const auto rounded_to = [half](int bits) { return detail::bound_power(-bits - half); };
+  int bits = 2 * p.subtexel_bits;
+  uint64_t bound = rounded_to(0);
+  if (bits > p.blend_bits) bound += rounded_to(bits = p.blend_bits);
+  if (!two_levels) return bound;
+  if (bits + p.level_bits > most_bits) bound += rounded_to(bits = most_bits - p.level_bits);
+  return bits + p.level_bits > p.blend_bits ? bound + rounded_to(p.blend_bits) : bound;
 }
 
 // The promises, checked when the library is compiled.
@@ -83,6 +144,8 @@ static_assert(coordinate_bound(profiles::standard) <= error_unit / 256, "default
 static_assert(relative_w_bound({.reciprocal_bits = 12}) < error_unit / 256,
               "the planner's margin keeps w inside the reciprocal unit's domain");
 static_assert(level_bound(profiles::exact) <= error_unit / 256, "exact: level of detail within 1/256");
+static_assert(major_level_bound(profiles::exact) <= error_unit / 256, "exact: KT88's level of detail within 1/256");
 static_assert(level_bound(profiles::standard) <= error_unit / 128, "default: level of detail within 1/128");
+static_assert(major_level_bound(profiles::standard) <= error_unit / 128, "default: KT88's level of detail within 1/128");
 
 }  // namespace spantex

@@ -69,14 +69,17 @@ constexpr reference reference_at(const plane& p, int32_t hx, int32_t hy) {
 // Half pixels from the centre to the outermost pixel centres.
 inline constexpr int reach = span_side - 1;
 
-// Fills the coordinate part of a span's coefficients about its centre. False if the span must be evaluated pixel by pixel:
-// its centre is behind the viewer or out of range, w leaves (1/2, 3/2), or it reaches more than 2^max_extent_log2 texels.
-constexpr bool span_coordinates(const plane& p, const reference& r, const profile& q, span_coefficients& c) {
+// Slopes of W per half pixel.
+struct w_slopes { int64_t g, h; };
+
+// Fills the coordinate part of the coefficients about a reference point, for positions up to `farthest` half pixels from it. False if w
+// leaves (1/2, 3/2) there, u or v is out of range, or they reach more than 2^max_extent_log2 texels.
+constexpr bool coordinates_within(int farthest, w_slopes of_w, const reference& r, const profile& q, span_coefficients& c) {
   if (!r.u_in_range || !r.v_in_range) return false;
-  const uint64_t slope = reach * (magnitude(p.w.x) + magnitude(p.w.y));
+  const uint64_t slope = uint64_t(farthest) * (magnitude(of_w.g) + magnitude(of_w.h));
   if (slope >= uint64_t(r.w) / 2 - uint64_t(r.w) / 256) return false;  // the margin keeps the rounded w in (1/2, 3/2) as well
-  const uint64_t extent_u = magnitude(r.c_u) + reach * (magnitude(r.a_u) + magnitude(r.b_u));
-  const uint64_t extent_v = magnitude(r.c_v) + reach * (magnitude(r.a_v) + magnitude(r.b_v));
+  const uint64_t extent_u = magnitude(r.c_u) + uint64_t(farthest) * (magnitude(r.a_u) + magnitude(r.b_u));
+  const uint64_t extent_v = magnitude(r.c_v) + uint64_t(farthest) * (magnitude(r.a_v) + magnitude(r.b_v));
   const uint64_t extent = extent_u > extent_v ? extent_u : extent_v;
   // extent / W < 2^extent_log2
   const int extent_log2 = bit_length(extent) - bit_length(uint64_t(r.w)) + 1;
@@ -92,8 +95,8 @@ constexpr bool span_coordinates(const plane& p, const reference& r, const profil
   c.a_v = quotient(r.a_v, drop, r.inverse_w, exponent);
   c.b_v = quotient(r.b_v, drop, r.inverse_w, exponent);
   const int slope_drop = max_of(0, bit_length(slope) - 31);
-  c.g = quotient(p.w.x, slope_drop, r.inverse_w, q.reciprocal_bits);
-  c.h = quotient(p.w.y, slope_drop, r.inverse_w, q.reciprocal_bits);
+  c.g = quotient(of_w.g, slope_drop, r.inverse_w, q.reciprocal_bits);
+  c.h = quotient(of_w.h, slope_drop, r.inverse_w, q.reciprocal_bits);
   c.exponent = int8_t(exponent);
 
   // |e| < 2^slope_log2: leaving the divide out errs by at most extent e / (1 - e) <= 2 extent e texels, one term by 2 extent e^2.
@@ -103,6 +106,11 @@ constexpr bool span_coordinates(const plane& p, const reference& r, const profil
   else if (affine_log2 + slope_log2 <= -q.tolerance_bits) c.how = evaluation::one_term;
   else c.how = evaluation::divide;
   return true;
+}
+
+// Of a span about its centre. False if it must be evaluated pixel by pixel.
+constexpr bool span_coordinates(const plane& p, const reference& r, const profile& q, span_coefficients& c) {
+  return coordinates_within(reach, {p.w.x, p.w.y}, r, q, c);
 }
 
 // Fills the coordinate part for a single pixel about its own centre: the same position wherever it is evaluated.
@@ -130,20 +138,28 @@ template <class Prof> using offset_mantissa = s<Prof::max_offset_bits, 0>;
 template <class Prof> using slope_of_w = s<-3, Prof::max_reciprocal_bits>;
 template <class Prof> using relative_w = u<1, Prof::max_reciprocal_bits>;
 
-// c + a hx + b hy. The planner bounds |c| + 7 (|a| + |b|) below 2^(offset_bits - 1), so the sum fits (proof: pixel_numerator).
+// c + a hx + b hy. The planner bounds |c| + n (|a| + |b|) below 2^(offset_bits - 1), n the largest offset, so the sum fits (proofs:
+// pixel_numerator, corner_numerator).
+template <class Prof, int I>
+constexpr offset_mantissa<Prof> numerator_at(int32_t c, int32_t a, int32_t b, s<I, 0> hx, s<I, 0> hy) {
+  using mantissa = offset_mantissa<Prof>;
+  return trust_to<mantissa>(mantissa::from_raw(c) + mantissa::from_raw(a) * hx + mantissa::from_raw(b) * hy);
+}
 template <class Prof>
 constexpr offset_mantissa<Prof> numerator_at(int32_t c, int32_t a, int32_t b, int i, int j) {
-  using mantissa = offset_mantissa<Prof>;
-  return trust_to<mantissa>(mantissa::from_raw(c) + mantissa::from_raw(a) * offset_to(i) + mantissa::from_raw(b) * offset_to(j));
+  return numerator_at<Prof>(c, a, b, offset_to(i), offset_to(j));
 }
 
 // w = 1 + g hx + h hy as reciprocal_bits fraction bits, in (1/2, 3/2) by the planner's condition and relative_w_bound() < 1/256.
+template <class Prof, class Slope, int I>
+constexpr uint32_t w_at(const Prof& prof, const span_coefficients& c, s<I, 0> hx, s<I, 0> hy) {
+  const auto e = Slope::from_raw(c.g) * hx + Slope::from_raw(c.h) * hy;
+  const auto one = relative_w<Prof>::from_raw(uint32_t(1) << prof.get().reciprocal_bits);
+  return trust_to<relative_w<Prof>>(one + e).raw();  // proofs: relative_w, corner_w
+}
 template <class Prof>
 constexpr uint32_t w_at(const Prof& prof, const span_coefficients& c, int i, int j) {
-  using slope = slope_of_w<Prof>;
-  const auto e = slope::from_raw(c.g) * offset_to(i) + slope::from_raw(c.h) * offset_to(j);
-  const auto one = relative_w<Prof>::from_raw(uint32_t(1) << prof.get().reciprocal_bits);
-  return trust_to<relative_w<Prof>>(one + e).raw();  // proof: relative_w
+  return w_at<Prof, slope_of_w<Prof>>(prof, c, offset_to(i), offset_to(j));
 }
 
 // 1/w for w in (1/2, 3/2), same format.
@@ -157,33 +173,53 @@ constexpr uint32_t reciprocal_of_w(uint32_t w, int bits) {
   return uint32_t(shift_right(y, 32 - bits - below_one));
 }
 
-template <class Prof>
-constexpr uint32_t reciprocal_at(const Prof& prof, const span_coefficients& c, int i, int j) {
+// What n is multiplied by, given a function that tells w.
+template <class Prof, class W>
+constexpr uint32_t reciprocal_from(const Prof& prof, const span_coefficients& c, W w) {
   const int bits = prof.get().reciprocal_bits;
   switch (c.how) {
     case evaluation::affine: return uint32_t(1) << bits;
-    case evaluation::one_term: return (uint32_t(2) << bits) - w_at(prof, c, i, j);
+    case evaluation::one_term: return (uint32_t(2) << bits) - w();
     case evaluation::divide: break;
   }
-  return reciprocal_of_w(w_at(prof, c, i, j), bits);
+  return reciprocal_of_w(w(), bits);
+}
+template <class Prof>
+constexpr uint32_t reciprocal_at(const Prof& prof, const span_coefficients& c, int i, int j) {
+  return reciprocal_from(prof, c, [&] { return w_at(prof, c, i, j); });
 }
 
-// base + n / w, rounded once to coordinate_bits and saturated to s15.16.
+// n / w before it is rounded. Spans of small reach have large exponents: where the shift to coordinate_bits may exceed 30, 64 bits hold the
+// product even if 32 would (proof: position_shifts).
+template <class Prof> using position_product = decltype(offset_mantissa<Prof>{} * relative_w<Prof>{});
 template <class Prof>
-constexpr coordinate coordinate_at(const Prof& prof, const span_coefficients& c, int32_t base, offset_mantissa<Prof> n, uint32_t reciprocal) {
+constexpr bool position_is_wide() {
+  if constexpr (position_product<Prof>::bits > 32) return true;
+  else return longest_position_shift(Prof::value) > 30;
+}
+template <class Prof> using position_rep = typename detail::rep<true, position_is_wide<Prof>()>::type;
+
+// base + n / w, rounded once to coordinate_bits.
+template <class Prof>
+constexpr s<31, 16> unlimited_coordinate_at(const Prof& prof, const span_coefficients& c, int32_t base, offset_mantissa<Prof> n, uint32_t reciprocal) {
   const profile& q = prof.get();
-  using product = decltype(offset_mantissa<Prof>{} * relative_w<Prof>{});
+  using rep = position_rep<Prof>;
   const int drop = c.exponent - q.coordinate_bits;
-  typename product::rep offset;
+  rep offset;
   if (c.how == evaluation::affine) {
-    offset = scale_down(typename product::rep(n.raw()), drop);
+    offset = scale_down(rep(n.raw()), drop);
   } else {
-    const product p = n * relative_w<Prof>::from_raw(reciprocal);
-    offset = scale_down(p.raw(), drop + q.reciprocal_bits);  // up only in narrow profiles, whose products are short
+    const position_product<Prof> p = n * relative_w<Prof>::from_raw(reciprocal);
+    offset = scale_down(rep(p.raw()), drop + q.reciprocal_bits);  // up only in narrow profiles, whose products are short
   }
   const int up = 16 - q.coordinate_bits;
-  const int64_t sum = (int64_t(base) << 16) + (int64_t(offset) << up);
-  return sat_to<coordinate>(s<31, 16>::from_raw(sum));
+  return s<31, 16>::from_raw((int64_t(base) << 16) + (int64_t(offset) << up));
+}
+
+// The same, saturated to s15.16.
+template <class Prof>
+constexpr coordinate coordinate_at(const Prof& prof, const span_coefficients& c, int32_t base, offset_mantissa<Prof> n, uint32_t reciprocal) {
+  return sat_to<coordinate>(unlimited_coordinate_at(prof, c, base, n, reciprocal));
 }
 
 template <class Prof>

@@ -81,23 +81,27 @@ constexpr span_mask rectangle_mask(rectangle r, int32_t sx, int32_t sy) {
   return mask;
 }
 
-// Pixels in front of the viewer: W > 0.
-constexpr span_mask front_mask(const plane& p, int32_t sx, int32_t sy) {
+// Pixels of span (sx, sy) at which a linear form in half pixels about an origin is positive.
+constexpr span_mask positive_mask(const linear_form& f, int32_t origin_x, int32_t origin_y, int32_t sx, int32_t sy) {
   const int32_t hx = 2 * span_side * sx + 1, hy = 2 * span_side * sy + 1;
-  const int64_t corner = p.w_at(hx, hy), far_x = p.w.x * (2 * (span_side - 1)), far_y = p.w.y * (2 * (span_side - 1));
+  const int64_t corner = f.c + f.x * (hx - origin_x) + f.y * (hy - origin_y);
+  const int64_t far_x = f.x * (2 * (span_side - 1)), far_y = f.y * (2 * (span_side - 1));
   const int64_t low = corner + (far_x < 0 ? far_x : 0) + (far_y < 0 ? far_y : 0);
   const int64_t high = corner + (far_x > 0 ? far_x : 0) + (far_y > 0 ? far_y : 0);
   if (low > 0) return full_mask;
   if (high <= 0) return 0;
   span_mask mask = 0;
   int64_t row = corner;
-  for (int j = 0; j < span_side; ++j, row += 2 * p.w.y) {
+  for (int j = 0; j < span_side; ++j, row += 2 * f.y) {
     int64_t value = row;
-    for (int i = 0; i < span_side; ++i, value += 2 * p.w.x)
+    for (int i = 0; i < span_side; ++i, value += 2 * f.x)
       if (value > 0) mask |= span_mask(1) << (span_side * j + i);
   }
   return mask;
 }
+
+// Pixels in front of the viewer: W > 0.
+constexpr span_mask front_mask(const plane& p, int32_t sx, int32_t sy) { return positive_mask(p.w, p.origin_x, p.origin_y, sx, sy); }
 
 // Smallest box of pixels, within a span, that holds every bit of a non-zero mask.
 struct mask_box { int x0, y0, x1, y1; };  // inclusive

@@ -3,8 +3,11 @@
 #pragma once
 #include <stdint.h>
 
+#include <spantex/area.hpp>
+#include <spantex/contour.hpp>
 #include <spantex/coordinates.hpp>
 #include <spantex/filter.hpp>
+#include <spantex/footprint.hpp>
 #include <spantex/level.hpp>
 #include <spantex/local_memory.hpp>
 #include <spantex/profile.hpp>
@@ -75,42 +78,187 @@ constexpr corrected correct(snapped_position p, const section& at, int side, fil
   return {{p.u & (side - 1), p.v & (side - 1)}, p.fraction};
 }
 
-// Pixel (i, j) of a span.
+// One sample: where it lies on each level, and how the two levels are blended.
+struct sample_point {
+  corrected fine, coarse;
+  uint32_t level_fraction;
+};
+
+namespace detail {
+
+// Whether a channel is decoded before it is filtered, and encoded after.
+template <class Prof>
+constexpr bool decodes(const Prof& prof, const span_coefficients& c, int channel) {
+  return Prof::has_linear_light && prof.get().linear_light && c.linear_light && channel != alpha_channel;
+}
+
+template <class Memory>
+constexpr sample_point sample_at(const texel_position& p, const span_coefficients& c, int32_t level, const profile& q) {
+  sample_point s{correct(snap(p, c.fine, c.kind, q), c.fine, Memory::fine_side, c.kind, q), {}, 0};
+  if (c.two_levels) {
+    s.coarse = correct(snap(p, c.coarse, c.kind, q), c.coarse, Memory::coarse_side, c.kind, q);
+    s.level_fraction = uint32_t(clamp_to(level - (int32_t(c.fine.level) << q.level_bits), 0, (1 << q.level_bits) - 1));
+  }
+  return s;
+}
+
+// LinearLight: texels are decoded first, and the colour stays linear.
+template <bool LinearLight>
+constexpr partial_colour blended_texels(fetched f, const sample_point& s, const span_coefficients& c, const profile& q) {
+  const bool three = uses_three_points(c.kind);
+  const auto blend = [&](texels2x2 t, weights w) {
+    if constexpr (LinearLight) t = srgb_decoded(t);
+    return three ? three_point(t, w, q) : four_point(t, w, q);
+  };
+  const partial_colour fine = blend(fine_texels(f), s.fine.fraction);
+  constexpr int most_bits = LinearLight ? max_linear_blend_bits : max_blend_bits;
+  return c.two_levels ? between_levels(fine, blend(coarse_texels(f), s.coarse.fraction), s.level_fraction, q, most_bits) : fine;
+}
+
+// One channel of a sample, ready to be summed.
+template <class Prof>
+constexpr partial_colour summable_texels(const Prof& prof, fetched f, const sample_point& s, const span_coefficients& c, int channel) {
+  const profile& q = prof.get();
+  if constexpr (Prof::has_linear_light) {  // one weight for all channels
+    if (decodes(prof, c, channel)) return summable(blended_texels<true>(f, s, c, q), q, max_linear_sum_bits);
+    if (decodes(prof, c, 0)) return summable(blended_texels<false>(f, s, c, q), q, max_linear_sum_bits);
+  }
+  return summable(blended_texels<false>(f, s, c, q), q);
+}
+
+template <class Prof>
+constexpr rgba8 mean_of(const Prof& prof, const footprint_sums& sums, const span_coefficients& c) {
+  if constexpr (Prof::has_linear_light)
+    if (decodes(prof, c, 0)) return mean_linear_colour(sums, prof.get().colour_rounding);
+  return mean_colour(sums, prof.get().colour_rounding);
+}
+
+template <class Prof>
+constexpr uint8_t contour_alpha(const Prof& prof, fetched f, const sample_point& s, const span_coefficients& c, int i, int j) {
+  const profile& q = prof.get();
+  const partial_colour fine = four_point(fine_texels(f), s.fine.fraction, q);
+  const partial_colour coarse = c.two_levels ? four_point(coarse_texels(f), s.coarse.fraction, q) : fine;
+  const int32_t field = contour_field(fine, coarse, s.level_fraction, c, q);
+  return contour_coverage(contour_distance(prof, c, field, i, j), c.contour.outline);
+}
+
+}  // namespace detail
+
+namespace detail {
+
+// One channel of a filter of one sample that blends.
+template <class Prof>
+constexpr uint8_t channel_value(const Prof& prof, fetched f, const sample_point& s, const span_coefficients& c, int channel, int i, int j) {
+  const profile& q = prof.get();
+  if constexpr (Prof::has_contours)
+    if (c.kind == filter::contour && channel == alpha_channel && q.contours) return contour_alpha(prof, f, s, c, i, j);
+  if constexpr (Prof::has_linear_light)
+    if (decodes(prof, c, channel)) return written_linear(blended_texels<true>(f, s, c, q), q);
+  return written(blended_texels<false>(f, s, c, q), q);
+}
+
+}  // namespace detail
+
+// Pixel (i, j) of a span, filters of one sample.
 template <class Prof, class Memory, class Observer>
 constexpr rgba8 compute_pixel(const Prof& prof, const span_coefficients& c, const Memory& memory, int i, int j, const Observer& observer) {
   const profile& q = prof.get();
-  const texel_position p = position_at(prof, c, i, j);
-  const corrected fine = correct(snap(p, c.fine, c.kind, q), c.fine, Memory::fine_side, c.kind, q);
-  corrected coarse{};
-  uint32_t level_fraction = 0;
-  if (c.two_levels) {
-    coarse = correct(snap(p, c.coarse, c.kind, q), c.coarse, Memory::coarse_side, c.kind, q);
-    const int32_t level = level_at(prof, c, i, j) - (int32_t(c.fine.level) << q.level_bits);
-    level_fraction = uint32_t(clamp_to(level, 0, (1 << q.level_bits) - 1));
-  }
+  const int32_t level = c.two_levels ? level_at(prof, c, i, j) : 0;
+  const sample_point s = detail::sample_at<Memory>(position_at(prof, c, i, j), c, level, q);
   uint8_t out[channel_count];
   for (int channel = 0; channel < channel_count; ++channel) {
-    const fetched f = memory.fetch(channel, fine.at, coarse.at, observer);
-    if (c.kind == filter::nearest) {
-      out[channel] = uint8_t(fine_texel(f, 0));
-      continue;
-    }
-    const bool three = uses_three_points(c.kind);
-    const auto blend = [&](texels2x2 t, weights w) { return three ? three_point(t, w, q) : four_point(t, w, q); };
-    partial_colour colour = blend(fine_texels(f), fine.fraction);
-    if (c.two_levels) colour = between_levels(colour, blend(coarse_texels(f), coarse.fraction), level_fraction, q);
-    out[channel] = written(colour, q);
+    const fetched f = memory.fetch(channel, s.fine.at, s.coarse.at, observer);
+    out[channel] = c.kind == filter::nearest ? uint8_t(fine_texel(f, 0)) : detail::channel_value(prof, f, s, c, channel, i, j);
   }
   return {out[0], out[1], out[2], out[3]};
 }
 
-// All pixels of the mask, in order of their bits.
+// Samples [first, last) of the footprint of pixel (i, j).
 template <class Prof, class Memory, class Observer>
-constexpr void compute_span(const Prof& prof, const span_coefficients& c, span_mask mask, const Memory& memory, span_pixels& out,
+constexpr footprint_sums compute_footprint(const Prof& prof, const span_coefficients& c, const Memory& memory, int i, int j,
+                                           const Observer& observer) {
+  const profile& q = prof.get();
+  const texel_position centre = position_at(prof, c, i, j);
+  const footprint f = footprint_at(prof, c, i, j);
+  footprint_sums sums{};
+  for (int k = c.axis.first_sample; k < min_of(c.axis.last_sample, f.samples); ++k) {
+    if (c.kind == filter::squares) {
+      snapped_position p = snap(centre, c.fine, c.kind, q);
+      const square s = square_at(f, p.fraction, q.subtexel_bits, k);
+      p.u += s.u;
+      p.v += s.v;
+      const corrected at = correct(p, c.fine, Memory::fine_side, c.kind, q);
+      for (int channel = 0; channel < channel_count; ++channel) {
+        texels2x2 t = fine_texels(memory.fetch(channel, at.at, {}, observer));
+        if constexpr (Prof::has_linear_light)
+          if (detail::decodes(prof, c, channel)) t = srgb_decoded(t);
+        sums.channel[channel] += square_sum(t, s.weight) * uint32_t(s.row_weight);
+      }
+      sums.weight += 20u * uint32_t(s.row_weight);
+    } else {
+      const sample_point s = detail::sample_at<Memory>(sample_position(centre, f, k), c, f.level, q);
+      partial_colour colour{};
+      for (int channel = 0; channel < channel_count; ++channel) {
+        colour = detail::summable_texels(prof, memory.fetch(channel, s.fine.at, s.coarse.at, observer), s, c, channel);
+        sums.channel[channel] += colour.value;
+      }
+      sums.weight += 1u << colour.bits;
+    }
+  }
+  return sums;
+}
+
+// The texels under pixel (i, j), or those in one tile of its window, weighted by area: four a fetch, the outermost ones maybe beyond the
+// section with weight zero. The section holds all that have a weight, so there is nothing to correct.
+template <class Prof, class Memory, class Observer>
+constexpr footprint_sums compute_area(const Prof& prof, const span_coefficients& c, const Memory& memory, int i, int j,
+                                      const Observer& observer) {
+  constexpr int side = Memory::fine_side;
+  const area_window window = area_window_at(prof, c, i, j, c.fine);
+  const area_tile tile = tile_at(window, c.axis, side);
+  area_weights area(window, c.kind);
+  const bool linear = detail::decodes(prof, c, 0);
+  const int drop = linear ? linear_weight_drop(window) : 0;
+  footprint_sums sums{};
+  for (int row = 0; row < tile.row + tile.rows; row += 2) {
+    int32_t weight[2][max_area_side] = {};
+    area.next_row(weight[0]);
+    if (row + 1 < window.rows) area.next_row(weight[1]);
+    if (row < tile.row) continue;
+    if constexpr (Prof::has_linear_light)
+      for (int n = 0; n < max_area_side && linear; ++n)
+        for (auto& line : weight) line[n] = linear_weight(line[n], drop);
+    for (int column = tile.column; column < tile.column + tile.columns; column += 2) {
+      const uint32_t w00 = uint32_t(weight[0][column]), w10 = uint32_t(weight[0][column + 1]), w01 = uint32_t(weight[1][column]),
+                     w11 = uint32_t(weight[1][column + 1]);
+      if ((w00 | w10 | w01 | w11) == 0) continue;
+      const local_position at{(window.u + column) & (side - 1), (window.v + row) & (side - 1)};
+      for (int channel = 0; channel < channel_count; ++channel) {
+        texels2x2 t = fine_texels(memory.fetch(channel, at, {}, observer));
+        if constexpr (Prof::has_linear_light)
+          if (detail::decodes(prof, c, channel)) t = srgb_decoded(t);
+        sums.channel[channel] += t.t00 * w00 + t.t10 * w10 + t.t01 * w01 + t.t11 * w11;
+      }
+      sums.weight += w00 + w10 + w01 + w11;
+    }
+  }
+  return sums;
+}
+
+// All pixels of the mask, in order of their bits. A function of its own: a call a job, and code is smaller than where it melts into its caller.
+template <class Prof, class Memory, class Observer>
+[[gnu::noinline]] constexpr void compute_span(const Prof& prof, const span_coefficients& c, span_mask mask, const Memory& memory, span_pixels& out,
                             const Observer& observer) {
   for (; mask != 0; mask &= mask - 1) {
-    const int k = __builtin_ctzll(mask);
-    out.pixel[k] = compute_pixel(prof, c, memory, k % span_side, k / span_side, observer);
+    const int k = __builtin_ctzll(mask), i = k % span_side, j = k / span_side;
+    if (!uses_footprint(c.kind) && !uses_area(c.kind)) {
+      out.pixel[k] = compute_pixel(prof, c, memory, i, j, observer);
+      continue;
+    }
+    const footprint_sums sums =
+        uses_area(c.kind) ? compute_area(prof, c, memory, i, j, observer) : compute_footprint(prof, c, memory, i, j, observer);
+    if (c.axis.partial) out.sums = sums;
+    else out.pixel[k] = detail::mean_of(prof, sums, c);
   }
 }
 

@@ -6,9 +6,11 @@
 
 #include <hal/engine.hpp>
 #include <spantex/coverage.hpp>
+#include <spantex/global_reads.hpp>
 #include <spantex/loader.hpp>
 #include <spantex/plan.hpp>
 #include <spantex/polygon.hpp>
+#include <spantex/shade.hpp>
 #include <spantex/status.hpp>
 
 namespace spantex {
@@ -32,13 +34,17 @@ struct draw_counters {
   uint64_t jobs = 0;              // engine runs
   uint64_t pixels = 0;            // pixels computed
   uint64_t words_loaded = 0;      // 64-bit words into local memory
+  uint64_t words_read = 0;        // 64-bit words out of global memory (global_reads.hpp), if counted
   uint64_t loads_skipped = 0;     // sections found loaded already
   uint64_t second_levels_skipped = 0;  // two-level jobs that needed the finer one only
   uint64_t divides = 0;           // reciprocals: one a span, one a pixel where the span needs it
   uint64_t corrected_jobs = 0;    // jobs whose section did not fit and were clamped
+  uint64_t pixels_left = 0;       // computed and not written: cut out, or blended with alpha 0
+  uint64_t pixels_blended = 0;    // mixed with what was there
 };
 
-template <span_engine Engine, class Prof>
+// Shading: opaque_only, or shading for alpha and vertex colours (shade.hpp). Reads: counted_reads fills in words_read.
+template <span_engine Engine, class Prof, class Shading = opaque_only, class Reads = uncounted_reads>
 class renderer {
  public:
   // The frame must outlive the renderer.
@@ -48,43 +54,41 @@ class renderer {
   constexpr void single_half(bool on) { single_half_ = on; }
 
   // Draws the part of the plane in front of the viewer inside `area`. Errors: what the engine reports.
-  constexpr status draw(const plane& p, const texture_view& t, filter kind, rectangle area) {
+  constexpr status draw(const plane& p, const texture_view& t, filter kind, rectangle area, const Shading& how = {}) {
     const surface s{&p, &t, kind};
+    shade_ = how.of(p);
     return each_span(area, [&](int32_t sx, int32_t sy) {
       ++counters_.spans_total;
       const span_mask mask = rectangle_mask(area, sx, sy);
-      return draw_span(s, sx, sy, mask);
+      return plan(s, sx, sy, mask);
     });
   }
 
   // Draws a polygon, hidden parts left out where a depth buffer is given. Errors: what the engine reports.
-  constexpr status draw(const polygon& p, const texture_view& t, filter kind, depth_buffer depth = {}) {
+  constexpr status draw(const polygon& p, const texture_view& t, filter kind, depth_buffer depth = {}, const Shading& how = {}) {
     const surface s{&p.map, &t, kind};
+    shade_ = how.of(p, depth.values);
     return each_span(p.box, [&](int32_t sx, int32_t sy) {
       ++counters_.spans_total;
       span_mask mask = coverage(p.edges, sx, sy) & rectangle_mask(p.box, sx, sy);
       if (mask != 0 && depth.values != nullptr) {
-        mask = depth_test(p, sx, sy, mask & front_mask(p.map, sx, sy), depth);
+        SPANTEX_TRY(settle(sx, sy));
+        mask = depth_test(p, sx, sy, mask & front_mask(p.map, sx, sy), depth, how.stores_depth_first());
         if (mask == 0) { ++counters_.spans_hidden; return status::ok; }
       }
-      return draw_span(s, sx, sy, mask);
+      return plan(s, sx, sy, mask);
     });
   }
 
   // One span of a plane, in whatever order the caller likes.
-  constexpr status draw_span(const surface& s, int32_t sx, int32_t sy, span_mask covered) {
-    if (covered == 0) { ++counters_.spans_empty; return status::ok; }
-    const span_mask mask = covered & front_mask(*s.map, sx, sy);
-    if (mask == 0) { ++counters_.spans_behind; return status::ok; }
-    return plan_span(prof_, s, sx, sy, mask, [&](span_job& job) { return submit(s, sx, sy, job); });
+  constexpr status draw_span(const surface& s, int32_t sx, int32_t sy, span_mask covered, const Shading& how = {}) {
+    shade_ = how.of(*s.map);
+    return plan(s, sx, sy, covered);
   }
 
   // Takes what is still computing. Call before the frame is read.
   constexpr status finish() {
-    for (int k = 0; k < half_count; ++k) {
-      SPANTEX_TRY(noted(next_, collect(next_)));
-      next_ = other(next_);
-    }
+    SPANTEX_TRY(drain());
     engine_.mark({event_kind::frame_end, 0});
     return status::ok;
   }
@@ -95,6 +99,8 @@ class renderer {
   struct pending_job {
     span_mask mask = 0;  // zero: nothing to take
     int32_t sx = 0, sy = 0;
+    bool partial = false, completes = true, linear_light = false;
+    [[no_unique_address]] typename Shading::job shade{};
   };
   struct loaded_section {
     texture_view::identity map;
@@ -112,7 +118,31 @@ class renderer {
     return status::ok;
   }
 
-  constexpr span_mask depth_test(const polygon& p, int32_t sx, int32_t sy, span_mask mask, depth_buffer depth) const {
+  constexpr status plan(const surface& s, int32_t sx, int32_t sy, span_mask covered) {
+    if (covered == 0) { ++counters_.spans_empty; return status::ok; }
+    const span_mask mask = covered & front_mask(*s.map, sx, sy);
+    if (mask == 0) { ++counters_.spans_behind; return status::ok; }
+    return plan_span(prof_, s, sx, sy, mask, [&](span_job& job) { return submit(s, sx, sy, job); });
+  }
+
+  // Collects both halves, the older job first.
+  constexpr status drain() {
+    for (int k = 0; k < half_count; ++k) {
+      SPANTEX_TRY(noted(next_, collect(next_)));
+      next_ = other(next_);
+    }
+    return status::ok;
+  }
+
+  // Before depth is tested in a span: the depths of pixels still being computed there must be stored. Pixels of one surface never
+  // overlap, and jobs of other spans touch other pixels, so loading goes on overlapping computing but where surfaces meet in a span.
+  constexpr status settle(int32_t sx, int32_t sy) {
+    for (const pending_job& job : pending_)
+      if (job.shade.stores_depth() && job.mask != 0 && job.sx == sx && job.sy == sy) return drain();
+    return status::ok;
+  }
+
+  constexpr span_mask depth_test(const polygon& p, int32_t sx, int32_t sy, span_mask mask, depth_buffer depth, bool stores) const {
     span_mask visible = 0;
     for (span_mask rest = mask; rest != 0; rest &= rest - 1) {
       const int k = __builtin_ctzll(rest);
@@ -120,7 +150,7 @@ class renderer {
       const uint32_t z = depth_at(p, 2 * x + 1, 2 * y + 1);
       uint32_t& stored = depth.values[y * frame_.width + x];
       if (z <= stored) continue;
-      stored = z;
+      if (stores) stored = z;
       visible |= span_mask(1) << k;
     }
     return visible;
@@ -130,6 +160,7 @@ class renderer {
   constexpr status noted(half h, status result) {
     if (result == status::ok) return result;
     pending_[int(h)].mask = 0;
+    sums_ = {};
     for (loaded_section& held : held_[int(h)]) held.valid = false;
     return result;
   }
@@ -149,9 +180,9 @@ class renderer {
     if (c.two_levels) SPANTEX_TRY(load(h, *s.texture, c.coarse, job.coarse, true));
     SPANTEX_TRY(engine_.load_coefficients(h, c));
     SPANTEX_TRY(engine_.start(h, job.mask));
-    pending_[int(h)] = {job.mask, sx, sy};
+    pending_[int(h)] = {job.mask, sx, sy, c.axis.partial, job.completes, detail::decodes(prof_, c, 0), shade_};
     ++counters_.jobs;
-    counters_.pixels += uint64_t(__builtin_popcountll(job.mask));
+    if (job.completes) counters_.pixels += uint64_t(__builtin_popcountll(job.mask));
     counters_.divides += uint64_t(job.divides);
     if (c.corrects) ++counters_.corrected_jobs;
     if (uses_two_levels(c.kind) && !c.two_levels) ++counters_.second_levels_skipped;
@@ -175,6 +206,7 @@ class renderer {
       counters_.words_loaded += uint64_t(count);
       return engine_.load_words(h, first, words, count);
     }));
+    if constexpr (Reads::counted) counters_.words_read += section_reads(prof_, t, at, box, coarse);
     held = {t.id(), at, box, true};
     return status::ok;
   }
@@ -184,13 +216,33 @@ class renderer {
     pending_job& job = pending_[int(h)];
     if (job.mask == 0) return status::ok;
     span_pixels pixels;
+    pixels.sums = {};
     SPANTEX_TRY(engine_.take(h, pixels));
+    if (job.partial) {
+      add(sums_, pixels.sums);
+      if (!job.completes) { job.mask = 0; return status::ok; }
+      pixels.pixel[__builtin_ctzll(job.mask)] = mean_of(job);
+      sums_ = {};
+    }
     for (; job.mask != 0; job.mask &= job.mask - 1) {
       const int k = __builtin_ctzll(job.mask);
       const int32_t x = job.sx * span_side + k % span_side, y = job.sy * span_side + k / span_side;
-      frame_.pixels[y * frame_.stride + x] = pixels.pixel[k];
+      rgba8& there = frame_.pixels[y * frame_.stride + x];
+      if constexpr (Shading::enabled) count(job.shade.write(pixels.pixel[k], x, y, there, y * frame_.width + x));
+      else there = pixels.pixel[k];
     }
     return status::ok;
+  }
+
+  constexpr rgba8 mean_of(const pending_job& job) const {
+    if constexpr (Prof::has_linear_light)
+      if (job.linear_light) return mean_linear_colour(sums_, prof_.get().colour_rounding);
+    return mean_colour(sums_, prof_.get().colour_rounding);
+  }
+
+  constexpr void count(write_result result) {
+    if (result == write_result::left) ++counters_.pixels_left;
+    if (result == write_result::mixed) ++counters_.pixels_blended;
   }
 
   Engine& engine_;
@@ -198,7 +250,9 @@ class renderer {
   frame_buffer frame_;
   draw_counters counters_{};
   pending_job pending_[half_count];
+  footprint_sums sums_{};  // of the parts taken so far of one pixel
   loaded_section held_[half_count][2];
+  [[no_unique_address]] typename Shading::job shade_{};  // of the surface being drawn
   half next_ = half::first;
   bool single_half_ = false;
 };

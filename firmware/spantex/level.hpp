@@ -3,7 +3,8 @@
 //
 // For a plane, W^2 du/dx depends on the row only and W^2 du/dy on the column only (exact algebra), so
 //   level(i, j) = max(row[j], column[i]) - 2 log2 w(i, j)
-// holds for Vulkan's rho (the longer column of the Jacobian), and with row = column = constant for KT88's major axis.
+// holds for Vulkan's rho (the longer column of the Jacobian), and with row = column = constant for KT88's major axis; for KT88's minor
+// axis with log2 w once instead of twice. One log2 w serves them all.
 #pragma once
 #include <stdint.h>
 
@@ -69,13 +70,47 @@ constexpr void major_levels(const plane& p, const reference& r, span_coefficient
   detail::fill(c.level_row, term);
   detail::fill(c.level_column, term);
 }
+constexpr void minor_levels(const plane& p, const reference& r, span_coefficients& c) {
+  const int16_t term = detail::level_term(p.minor_log2 - log2_16(uint64_t(r.w)));
+  detail::fill(c.level_row, term);
+  detail::fill(c.level_column, term);
+}
+
+// Terms of a span evaluated about its centre, by the profile's formula.
+constexpr void formula_levels(const profile& q, const plane& p, const reference& r, span_coefficients& c) {
+  switch (q.formula) {
+    case level_formula::major: return major_levels(p, r, c);
+    case level_formula::minor: return minor_levels(p, r, c);
+    case level_formula::jacobian: return span_levels(q, c);
+  }
+}
+
+// The same of a single pixel about its own centre.
+constexpr void formula_levels_of_pixel(const profile& q, const plane& p, const reference& r, int32_t hx, int32_t hy, span_coefficients& c) {
+  switch (q.formula) {
+    case level_formula::major: return major_levels(p, r, c);
+    case level_formula::minor: return minor_levels(p, r, c);
+    case level_formula::jacobian: return pixel_levels(p, r, hx, hy, c);
+  }
+}
+
+// The power of 1/w that a formula falls with.
+constexpr int power_of_w(level_formula f) { return f == level_formula::minor ? 1 : 2; }
+
+// The level of detail of a pixel before bias and clamp, s.16: negative where the map is magnified.
+template <class Prof>
+constexpr int32_t unbiased_level(const Prof& prof, const span_coefficients& c, int i, int j) {
+  const profile& q = prof.get();
+  int32_t level = int32_t(c.level_row[j] > c.level_column[i] ? c.level_row[j] : c.level_column[i]) * (1 << (16 - level_term_bits));
+  if ((c.g | c.h) != 0) level -= power_of_w(q.formula) * (log2_16(w_at(prof, c, i, j)) - (q.reciprocal_bits << 16));
+  return level;
+}
 
 // The level of detail of a pixel in 2^-level_bits, clamped to [0, last_level].
 template <class Prof>
 constexpr int32_t level_at(const Prof& prof, const span_coefficients& c, int i, int j) {
   const profile& q = prof.get();
-  int32_t level = int32_t(c.level_row[j] > c.level_column[i] ? c.level_row[j] : c.level_column[i]) * (1 << (16 - level_term_bits));
-  if ((c.g | c.h) != 0) level -= 2 * (log2_16(w_at(prof, c, i, j)) - (q.reciprocal_bits << 16));
+  int32_t level = unbiased_level(prof, c, i, j);
   level += q.level_bias * (1 << 12);
   return clamp_to(shift_right(level, 16 - q.level_bits), 0, int32_t(c.last_level) << q.level_bits);
 }

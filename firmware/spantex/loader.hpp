@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The loader: texels of a map section, wrapped, packed into the 64-bit words of local memory (local_memory.hpp tells the layout).
+// The loader: texels of a map section in any format, wrapped, packed into the 64-bit words of local memory (local_memory.hpp tells the
+// layout).
 #pragma once
 #include <stdint.h>
 
@@ -44,16 +45,60 @@ constexpr block_range blocks_of(int32_t low, int32_t high, int32_t origin, int s
   return r;
 }
 
+// One axis of a section on a map: `low` to `high` wrapped.
+template <class Prof>
+constexpr block_range columns_of(const Prof& prof, const texture_view& t, const section& at, const texel_box& box, bool coarse) {
+  const int side = coarse ? prof.get().coarse_side() : prof.get().fine_side;
+  return blocks_of(box.u0, box.u1, at.origin_u, side, [&](int32_t k) { return t.wrapped_u(k, at.level); });
+}
+template <class Prof>
+constexpr block_range rows_of(const Prof& prof, const texture_view& t, const section& at, const texel_box& box, bool coarse) {
+  const int side = coarse ? prof.get().coarse_side() : prof.get().fine_side;
+  return blocks_of(box.v0, box.v1, at.origin_v, side, [&](int32_t k) { return t.wrapped_v(k, at.level); });
+}
+
+// Texels of one level. Of a compressed format it keeps the last two blocks decoded, 128 bytes: two rows of a section mostly lie in one
+// row of blocks, so a block is decoded once for both; once more where the section's ends share a word through the torus.
+template <class Map>
+class texel_reader {
+ public:
+  constexpr texel_reader(const Map& t, int level) : map_(t), level_(level), compressed_(is_compressed(t.format())) {}
+
+  constexpr rgba8 texel(int32_t x, int32_t y) {
+    if (!compressed_) return map_.texel(level_, x, y);
+    const int32_t bx = x / block_side, by = y / block_side, index = by * max_blocks_across + bx;
+    if (held_[latest_] != index) {
+      latest_ ^= 1;
+      if (held_[latest_] != index) {
+        map_.decode_block(level_, bx, by, blocks_[latest_]);
+        held_[latest_] = index;
+      }
+    }
+    return blocks_[latest_].texel[y % block_side * block_side + x % block_side];
+  }
+
+ private:
+  static constexpr int32_t max_blocks_across = max_texture_side / block_side;
+
+  const Map& map_;
+  int level_;
+  bool compressed_;
+  int latest_ = 0;
+  int32_t held_[2] = {-1, -1};
+  texel_block blocks_[2];  // not set until decoded
+};
+
 }  // namespace detail
 
-// Calls send(first word address, words, count) -> status for each run of blocks that holds texels of the box.
-template <class Prof, class Send>
-constexpr status load_section(const Prof& prof, const texture_view& t, const section& at, const texel_box& box, bool coarse, Send&& send) {
+// Calls send(first word address, words, count) -> status for each run of blocks that holds texels of the box. Map: texture_view, or one
+// that watches.
+template <class Prof, class Map, class Send>
+constexpr status load_section(const Prof& prof, const Map& t, const section& at, const texel_box& box, bool coarse, Send&& send) {
   const profile& q = prof.get();
-  const int side = coarse ? q.coarse_side() : q.fine_side, blocks = side / 2, level = at.level;
+  const int side = coarse ? q.coarse_side() : q.fine_side, blocks = side / 2;
   const int first_word = coarse ? q.fine_side * q.fine_side / 2 : 0;
-  const auto columns = detail::blocks_of(box.u0, box.u1, at.origin_u, side, [&](int32_t k) { return t.wrapped_u(k, level); });
-  const auto rows = detail::blocks_of(box.v0, box.v1, at.origin_v, side, [&](int32_t k) { return t.wrapped_v(k, level); });
+  const auto columns = detail::columns_of(prof, t, at, box, coarse), rows = detail::rows_of(prof, t, at, box, coarse);
+  detail::texel_reader map(t, at.level);
   for (int r = 0; r < rows.count; ++r) {
     const int row = (rows.first + r) & (blocks - 1);
     const int32_t y0 = rows.texel[r][0], y1 = rows.texel[r][1];
@@ -61,7 +106,7 @@ constexpr status load_section(const Prof& prof, const texture_view& t, const sec
     int count = 0, start = columns.first;
     for (int k = 0; k < columns.count; ++k) {
       const int32_t x0 = columns.texel[k][0], x1 = columns.texel[k][1];
-      const block_words w = pack_block({t.texel(level, x0, y0), t.texel(level, x1, y0), t.texel(level, x0, y1), t.texel(level, x1, y1)});
+      const block_words w = pack_block({map.texel(x0, y0), map.texel(x1, y0), map.texel(x0, y1), map.texel(x1, y1)});
       words[count++] = w.red_green;
       words[count++] = w.blue_alpha;
       const bool at_edge = ((columns.first + k + 1) & (blocks - 1)) == 0;

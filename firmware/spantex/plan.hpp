@@ -7,8 +7,10 @@
 #pragma once
 #include <stdint.h>
 
+#include <spantex/area.hpp>
 #include <spantex/coordinates.hpp>
 #include <spantex/datapath.hpp>
+#include <spantex/footprint.hpp>
 #include <spantex/level.hpp>
 #include <spantex/plane.hpp>
 #include <spantex/profile.hpp>
@@ -25,12 +27,16 @@ struct span_job {
   span_mask mask;
   texel_box fine, coarse;   // what must be loaded; `coarse` only with two_levels
   int32_t divides;          // reciprocals spent above and below the HAL
+  bool completes = true;    // the last part of its pixel, if the coefficients are partial
 };
+
+inline constexpr int16_t no_fixed_level = INT16_MIN;
 
 struct surface {
   const plane* map;
   const texture_view* texture;
   filter kind;
+  int16_t fixed_level = no_fixed_level;  // s5.10: one level of detail for an affine map, found once; otherwise by the profile's formula
 };
 
 namespace detail {
@@ -39,11 +45,122 @@ constexpr section section_at(const texture_view& t, int level) {
   return {0, 0, t.ratio_u(level), t.ratio_v(level), uint8_t(level), t.width(level) == 1, t.height(level) == 1};
 }
 
+constexpr texel_box joined(const texel_box& a, const texel_box& b) {
+  return {min_of(a.u0, b.u0), min_of(a.v0, b.v0), max_of(a.u1, b.u1), max_of(a.v1, b.v1)};
+}
+
+// Texels of the 2x2 of every sample position between two.
+constexpr texel_box box_between(texel_position low, texel_position high, const section& at, filter kind, const profile& q) {
+  const snapped_position a = snap(low, at, kind, q), b = snap(high, at, kind, q);
+  const int32_t neighbour = kind == filter::nearest ? 0 : 1;
+  return {a.u, a.v, b.u + neighbour, b.v + neighbour};
+}
+
+// Of the samples [first, last) of one pixel's footprint: exact.
+template <class Prof>
+constexpr texel_box samples_touch(const Prof& prof, const span_coefficients& c, int i, int j, const section& at) {
+  const profile& q = prof.get();
+  const texel_position centre = position_at(prof, c, i, j);
+  const footprint f = footprint_at(prof, c, i, j);
+  const int first = c.axis.first_sample, last = min_of(c.axis.last_sample, f.samples) - 1;
+  if (c.kind == filter::squares) {
+    const snapped_position p = snap(centre, at, c.kind, q);
+    const auto box = [&](int k) {
+      const square s = square_at(f, p.fraction, q.subtexel_bits, k);
+      return texel_box{p.u + s.u, p.v + s.v, p.u + s.u + 1, p.v + s.v + 1};
+    };
+    return joined(box(first), box(last));
+  }
+  const texel_position p = sample_position(centre, f, first), r = sample_position(centre, f, last);
+  const auto ordered = [](coordinate x, coordinate y, bool larger) { return (x < y) == larger ? y : x; };
+  return box_between({ordered(p.u, r.u, false), ordered(p.v, r.v, false)}, {ordered(p.u, r.u, true), ordered(p.v, r.v, true)}, at, c.kind, q);
+}
+
+// How far footprints of the pixels within `pixels` reach from their centres along u and v, raw s15.16 on level 0: n is linear and 1/w^2 is
+// monotone along a line, so the product of their largest corner values bounds every pixel.
+struct axis_reach { int64_t u, v; };
+template <class Prof>
+constexpr axis_reach footprint_reach(const Prof& prof, const span_coefficients& c, mask_box pixels) {
+  const axis_terms& t = c.axis;
+  uint64_t u = 0, v = 0;
+  uint32_t reciprocal = 0;
+  for (int corner = 0; corner < 4; ++corner) {
+    const int i = corner & 1 ? pixels.x1 : pixels.x0, j = corner & 2 ? pixels.y1 : pixels.y0;
+    const uint64_t nu = magnitude(numerator_at<Prof>(t.c_u, t.a_u, t.b_u, i, j).raw());
+    const uint64_t nv = magnitude(numerator_at<Prof>(t.c_v, t.a_v, t.b_v, i, j).raw());
+    const uint32_t r = reciprocal_at(prof, c, i, j);
+    u = nu > u ? nu : u;
+    v = nv > v ? nv : v;
+    reciprocal = r > reciprocal ? r : reciprocal;
+  }
+  // Half the length, and one for the roundings; the reciprocal unit is monotone to within four of its last bits.
+  const auto half = [&](uint64_t n) {
+    using mantissa = offset_mantissa<Prof>;
+    const auto longest = mantissa::from_raw(typename mantissa::rep(n));
+    return int64_t(axis_at(prof, c, longest, reciprocal + 4).raw()) / 2 + 2;
+  };
+  return {half(u), half(v)};
+}
+
+// Box of positions of level 0.
+struct wide_box {
+  wide_coordinate u0, v0, u1, v1;
+  constexpr void add(const wide_position& p) {
+    u0 = p.u < u0 ? p.u : u0; u1 = p.u > u1 ? p.u : u1;
+    v0 = p.v < v0 ? p.v : v0; v1 = p.v > v1 ? p.v : v1;
+  }
+};
+
+// Texels of step's and hat's footprints: exact for one pixel, otherwise the hull of the outermost corners.
+template <class Prof>
+constexpr texel_box area_touches(const Prof& prof, const span_coefficients& c, mask_box pixels, const section& at) {
+  const profile& q = prof.get();
+  if (pixels.x0 == pixels.x1 && pixels.y0 == pixels.y1) {
+    const area_window w = area_window_at(prof, c, pixels.x0, pixels.y0, at);
+    const area_tile part = tile_at(w, c.axis, q.fine_side);
+    const int32_t u = w.u + part.column, v = w.v + part.row;
+    return {u, v, u + part.columns - 1, v + part.rows - 1};
+  }
+  const auto far = int8_t(area_margin(c.kind)), near = int8_t(-far);
+  const wide_position first = position_beside(prof, c, pixels.x0, pixels.y0, {near, near});
+  wide_box box{first.u, first.v, first.u, first.v};
+  box.add(position_beside(prof, c, pixels.x1, pixels.y0, {far, near}));
+  box.add(position_beside(prof, c, pixels.x0, pixels.y1, {near, far}));
+  box.add(position_beside(prof, c, pixels.x1, pixels.y1, {far, far}));
+  const int32_t slack = position_slack(prof, c);
+  const auto texel = [&](wide_coordinate x, int32_t more, uint32_t ratio) {
+    return area_on_level(wide_coordinate::from_raw(x.raw() + more), ratio, at.level, q) >> q.subtexel_bits;
+  };
+  return {texel(box.u0, -slack, at.ratio_u), texel(box.v0, -slack, at.ratio_v), texel(box.u1, slack, at.ratio_u),
+          texel(box.v1, slack, at.ratio_v)};
+}
+
+// The finest level on which a pixel's footprint lies in the window; the last one if none. An axis that is one texel long always does.
+template <class Prof>
+constexpr int area_level(const Prof& prof, const texture_view& t, const span_coefficients& c, int i, int j) {
+  const profile& q = prof.get();
+  const wide_position centre = position_beside(prof, c, i, j, {0, 0});
+  wide_box box{centre.u, centre.v, centre.u, centre.v};
+  for (int k = 0; k < corner_count(c.kind); ++k) box.add(position_beside(prof, c, i, j, area_corner(c.kind, k)));
+  const auto fits = [&](wide_coordinate low, wide_coordinate high, int32_t texels, uint32_t ratio, int level) {
+    const int32_t a = area_on_level(low, ratio, level, q), b = area_on_level(high, ratio, level, q);
+    return texels == 1 || texels_within(a, b, q.subtexel_bits) <= 1 << q.area_side_log2;
+  };
+  int level = 0;
+  while (level < t.last_level() && !(fits(box.u0, box.u1, t.width(level), t.ratio_u(level), level) &&
+                                     fits(box.v0, box.v1, t.height(level), t.ratio_v(level), level)))
+    ++level;
+  return level;
+}
+
 // Box of the texels that the pixels within `pixels` touch on a section's level: the map of a convex screen area in front of the viewer
-// is the hull of its corners' images, widened by what rounding can move a position.
+// is the hull of its corners' images, widened by what rounding can move a position and by the footprints.
 template <class Prof>
 constexpr texel_box touched(const Prof& prof, const span_coefficients& c, mask_box pixels, const section& at) {
   const profile& q = prof.get();
+  if (uses_area(c.kind)) return area_touches(prof, c, pixels, at);
+  const bool single = pixels.x0 == pixels.x1 && pixels.y0 == pixels.y1;
+  if (single && uses_footprint(c.kind)) return samples_touch(prof, c, pixels.x0, pixels.y0, at);
   int64_t u0 = INT64_MAX, v0 = INT64_MAX, u1 = INT64_MIN, v1 = INT64_MIN;
   for (int corner = 0; corner < 4; ++corner) {
     const texel_position p = position_at(prof, c, corner & 1 ? pixels.x1 : pixels.x0, corner & 2 ? pixels.y1 : pixels.y0);
@@ -51,13 +168,17 @@ constexpr texel_box touched(const Prof& prof, const span_coefficients& c, mask_b
     u0 = u < u0 ? u : u0; u1 = u > u1 ? u : u1;
     v0 = v < v0 ? v : v0; v1 = v > v1 ? v : v1;
   }
-  const bool single = pixels.x0 == pixels.x1 && pixels.y0 == pixels.y1;
-  const int32_t slack = single ? 0 : position_slack(prof, c);
-  const auto moved = [](int64_t x) { return sat_to<coordinate>(s<32, 16>::from_raw(x)); };
-  const snapped_position low = snap({moved(u0 - slack), moved(v0 - slack)}, at, c.kind, q);
-  const snapped_position high = snap({moved(u1 + slack), moved(v1 + slack)}, at, c.kind, q);
-  const int32_t neighbour = c.kind == filter::nearest ? 0 : 1;
-  return {low.u, low.v, high.u + neighbour, high.v + neighbour};
+  axis_reach more{};
+  if (uses_footprint(c.kind)) more = footprint_reach(prof, c, pixels);
+  const bool squares = c.kind == filter::squares;
+  const int64_t slack = single ? 0 : position_slack(prof, c), slack_u = slack + (squares ? 0 : more.u), slack_v = slack + (squares ? 0 : more.v);
+  const auto moved = [](int64_t x) { return sat_to<coordinate>(s<47, 16>::from_raw(x)); };
+  texel_box box = box_between({moved(u0 - slack_u), moved(v0 - slack_v)}, {moved(u1 + slack_u), moved(v1 + slack_v)}, at, c.kind, q);
+  if (squares) {  // whole squares in one of eight directions: at most half the row's length, sqrt 2 times its larger part, and two texels
+    const int32_t aside = int32_t((more.u > more.v ? more.u : more.v) * 3 / 2 >> (16 + at.level)) + 3;
+    box = {box.u0 - aside, box.v0 - aside, box.u1 + aside, box.v1 + aside};
+  }
+  return box;
 }
 
 constexpr bool fits(int32_t low, int32_t high, int side) { return high - low < side; }
@@ -113,15 +234,41 @@ constexpr span_mask run_mask(int index, int count) {
   return mask;
 }
 
-// Emits the largest aligned runs of the job's mask whose sections fit. A single pixel always does.
+// A single pixel whose footprint does not fit: the longest runs of its samples that do. A single sample always does. Step and hat: the
+// tiles of its window.
+template <class Prof, class Sink>
+constexpr status split_pixel(const Prof& prof, const texture_view& t, int level, bool two_levels, span_job& part, Sink& sink) {
+  span_coefficients& c = part.coefficients;
+  const int k = __builtin_ctzll(part.mask), i = k % span_side, j = k / span_side;
+  const bool tiles = uses_area(c.kind);
+  const int samples = tiles ? tile_count(area_window_at(prof, c, i, j, c.fine), prof.get().fine_side) : footprint_at(prof, c, i, j).samples;
+  c.axis.partial = true;
+  for (int first = 0, count = tiles ? 1 : samples; first < samples;) {
+    c.axis.first_sample = uint8_t(first);
+    c.axis.last_sample = uint8_t(min_of(first + count, samples));
+    if (!take_sections(prof, t, level, two_levels, part) && count > 1) { count = (count + 1) / 2; continue; }
+    first += count;
+    part.completes = first >= samples;
+    SPANTEX_TRY(sink(part));
+    part.divides = 0;
+  }
+  c.axis.partial = false;
+  c.axis.first_sample = 0;
+  c.axis.last_sample = max_footprint_samples;
+  part.completes = true;
+  return status::ok;
+}
+
+// Emits the largest aligned runs of the job's mask whose sections fit. A single pixel does, or is split.
 template <class Prof, class Sink>
 constexpr status split_job(const Prof& prof, const texture_view& t, int level, bool two_levels, const span_job& whole, Sink& sink) {
   span_job part = whole;
   for (int index = 0, count = span_pixel_count; index < span_pixel_count;) {
     part.mask = whole.mask & run_mask(index, count);
     if (part.mask != 0) {
-      if (!take_sections(prof, t, level, two_levels, part) && count > 1) { count /= 2; continue; }
-      SPANTEX_TRY(sink(part));
+      const bool fit = take_sections(prof, t, level, two_levels, part);
+      if (!fit && count > 1) { count /= 2; continue; }
+      SPANTEX_TRY(fit ? sink(part) : split_pixel(prof, t, level, two_levels, part, sink));
       part.divides = 0;
     }
     index += count;
@@ -130,12 +277,13 @@ constexpr status split_job(const Prof& prof, const texture_view& t, int level, b
   return status::ok;
 }
 
-// One level of one span, by the profile's policy.
+// One level of one span, by the profile's policy; footprints are always split: cut short or blurred they would be of no use.
 template <class Prof, class Sink>
 constexpr status emit_level(const Prof& prof, const texture_view& t, int level, bool two_levels, span_job& job, Sink& sink) {
   const profile& q = prof.get();
   if (take_sections(prof, t, level, two_levels, job)) return sink(job);
-  switch (q.overflow) {
+  const filter kind = job.coefficients.kind;
+  switch (uses_footprint(kind) || uses_area(kind) ? overflow_policy::split : q.overflow) {
     case overflow_policy::clamp:
       job.coefficients.corrects = true;
       return sink(job);
@@ -150,8 +298,18 @@ constexpr status emit_level(const Prof& prof, const texture_view& t, int level, 
   return split_job(prof, t, level, two_levels && level < t.last_level(), job, sink);
 }
 
+// Level of detail of a pixel, 2^-level_bits.
+template <class Prof>
+constexpr int32_t pixel_level(const Prof& prof, const texture_view& t, const span_coefficients& c, int i, int j) {
+  if (uses_area(c.kind)) return area_level(prof, t, c, i, j) << prof.get().level_bits;
+  return uses_footprint(c.kind) ? footprint_at(prof, c, i, j).level : level_at(prof, c, i, j);
+}
+
 // The level a whole span shares (level_scope::span): that of its reference point, where w = 1.
-constexpr int32_t reference_level(const profile& q, const span_coefficients& c) {
+template <class Prof>
+constexpr int32_t reference_level(const Prof& prof, const span_coefficients& c) {
+  const profile& q = prof.get();
+  if (uses_footprint(c.kind)) return footprint_level(prof, c);
   const int32_t term =
       c.level_row[span_side / 2] > c.level_column[span_side / 2] ? c.level_row[span_side / 2] : c.level_column[span_side / 2];
   const int32_t level = shift_right(term * (1 << (16 - level_term_bits)) + q.level_bias * (1 << 12), 16 - q.level_bits);
@@ -166,11 +324,11 @@ constexpr status emit_levels(const Prof& prof, const texture_view& t, span_job& 
   if (!uses_levels(c.kind)) return emit_level(prof, t, 0, false, job, sink);
 
   span_mask with_level[max_levels] = {}, with_fraction = 0;
-  const bool shared = q.scope == level_scope::span;
-  const int shared_level = integer_level(c.kind, reference_level(q, c), q.level_bits, c.last_level);
+  const bool shared = q.scope == level_scope::span && !uses_area(c.kind);  // an area's level is what bounds its texels
+  const int shared_level = shared ? integer_level(c.kind, reference_level(prof, c), q.level_bits, c.last_level) : 0;
   for (span_mask rest = job.mask; rest != 0; rest &= rest - 1) {
     const int k = __builtin_ctzll(rest);
-    const int32_t level = level_at(prof, c, k % span_side, k / span_side);
+    const int32_t level = pixel_level(prof, t, c, k % span_side, k / span_side);
     const int whole = shared ? shared_level : integer_level(c.kind, level, q.level_bits, c.last_level);
     with_level[whole] |= span_mask(1) << k;
     if (level > whole << q.level_bits) with_fraction |= span_mask(1) << k;
@@ -185,10 +343,31 @@ constexpr status emit_levels(const Prof& prof, const texture_view& t, span_job& 
   return status::ok;
 }
 
+constexpr void fix_levels(int16_t level, span_coefficients& c) {
+  fill(c.level_row, level);
+  fill(c.level_column, level);
+}
+
+// Coordinates of a span about its centre; false if its pixels must be evaluated one by one.
+constexpr bool coordinates_of_span(const surface& s, const reference& r, const profile& q, span_coefficients& c) {
+  if (uses_area(s.kind)) return coordinates_within(area_reach, {s.map->w.x, s.map->w.y}, r, q, c);
+  return span_coordinates(*s.map, r, q, c);
+}
+
+constexpr void coordinates_of_pixel(const surface& s, const reference& r, const profile& q, span_coefficients& c) {
+  if (uses_area(s.kind)) pixel_area_coordinates(*s.map, r, q, c);
+  else pixel_coordinates(r, q, c);
+}
+
+// Reciprocals that a pixel of a span takes.
+constexpr int reciprocals_a_pixel(filter kind) { return uses_area(kind) ? 1 + corner_count(kind) : 1; }
+
 constexpr span_coefficients blank_coefficients(const surface& s) {
   span_coefficients c{};
   c.kind = s.kind;
   c.last_level = uint8_t(s.texture->last_level());
+  c.linear_light = s.texture->colours() == colour_space::srgb && s.kind != filter::nearest;
+  if (s.kind == filter::contour) c.contour = terms_of(s.texture->contour());
   return c;
 }
 
@@ -199,16 +378,18 @@ template <class Prof, class Sink>
 constexpr status plan_span(const Prof& prof, const surface& s, int32_t sx, int32_t sy, span_mask mask, Sink&& sink) {
   const profile& q = prof.get();
   const int32_t cx = 2 * span_side * sx + span_side, cy = 2 * span_side * sy + span_side;  // the centre, half pixels
-  span_job job{detail::blank_coefficients(s), mask, {}, {}, 1};
+  span_job job{detail::blank_coefficients(s), mask, {}, {}, 1, true};
   span_coefficients& c = job.coefficients;
   if (s.map->w_at(cx, cy) > 0) {
     const reference r = reference_at(*s.map, cx, cy);
-    if (span_coordinates(*s.map, r, q, c)) {
-      if (uses_levels(s.kind)) {
-        if (q.formula == level_formula::major) major_levels(*s.map, r, c);
-        else span_levels(q, c);
+    if (detail::coordinates_of_span(s, r, q, c)) {
+      if (uses_footprint(s.kind)) {
+        span_axis(q, c);
+      } else if (uses_levels(s.kind) && !uses_area(s.kind)) {
+        if (s.fixed_level != no_fixed_level) detail::fix_levels(s.fixed_level, c);
+        else formula_levels(q, *s.map, r, c);
       }
-      if (c.how == evaluation::divide) job.divides += __builtin_popcountll(mask);
+      if (c.how == evaluation::divide) job.divides += detail::reciprocals_a_pixel(s.kind) * __builtin_popcountll(mask);
       return detail::emit_levels(prof, *s.texture, job, sink);
     }
   }
@@ -217,11 +398,13 @@ constexpr status plan_span(const Prof& prof, const surface& s, int32_t sx, int32
     const int k = __builtin_ctzll(rest);
     const int32_t hx = cx + half_pixels(k % span_side), hy = cy + half_pixels(k / span_side);
     const reference r = reference_at(*s.map, hx, hy);
-    job = {detail::blank_coefficients(s), span_mask(1) << k, {}, {}, 1};
-    pixel_coordinates(r, q, c);
-    if (uses_levels(s.kind)) {
-      if (q.formula == level_formula::major) major_levels(*s.map, r, c);
-      else pixel_levels(*s.map, r, hx, hy, c);
+    job = {detail::blank_coefficients(s), span_mask(1) << k, {}, {}, 1, true};
+    detail::coordinates_of_pixel(s, r, q, c);
+    if (uses_footprint(s.kind)) {
+      pixel_axis(*s.map, r, q, hx, hy, c);
+    } else if (uses_levels(s.kind) && !uses_area(s.kind)) {
+      if (s.fixed_level != no_fixed_level) detail::fix_levels(s.fixed_level, c);
+      else formula_levels_of_pixel(q, *s.map, r, hx, hy, c);
     }
     SPANTEX_TRY(detail::emit_levels(prof, *s.texture, job, sink));
   }

@@ -41,6 +41,7 @@ struct plane {
   linear_form u, v, w;
   int32_t origin_x, origin_y;  // half pixels
   int32_t major_log2;          // KT88's log2 K in the scale of w, s15.16: level = major_log2 - 2 log2 W
+  int32_t minor_log2 = 0;      // likewise log2 K': level of the minor axis = minor_log2 - log2 W
 
   constexpr int64_t value(const linear_form& f, int32_t hx, int32_t hy) const {
     return f.c + f.x * (hx - origin_x) + f.y * (hy - origin_y);
@@ -79,20 +80,33 @@ constexpr linear_form narrowed(const wide_form& f, int drop) {
 
 }  // namespace detail
 
-// log2 of W^2 |d(u, v)/dx| and W^2 |d(u, v)/dy| per half pixel at a point, s.16, in the plane's scale; minus 100 for zero.
-// W^2 du/dx = A W - Nu G: exact in 128 bits, whatever the size of u; then cut to 31 bits of the largest of the four.
-struct gradient_logs { int32_t x, y; };
-constexpr gradient_logs gradient_logs_at(const plane& p, int32_t hx, int32_t hy) {
+// W^2 d(u, v)/dx and W^2 d(u, v)/dy per half pixel at a point, in the plane's scale: W^2 du/dx = A W - Nu G, exact in 128 bits, whatever
+// the size of u; then the magnitudes cut to 31 bits of the largest of the four. value 2^drop.
+struct scaled_gradients {
+  int64_t ux, uy, vx, vy;
+  int drop;
+};
+constexpr scaled_gradients scaled_gradients_at(const plane& p, int32_t hx, int32_t hy) {
   const int64_t w = p.w_at(hx, hy), nu = p.u_at(hx, hy), nv = p.v_at(hx, hy);
   const wide ux = multiply(p.u.x, w) - multiply(nu, p.w.x), uy = multiply(p.u.y, w) - multiply(nu, p.w.y);
   const wide vx = multiply(p.v.x, w) - multiply(nv, p.w.x), vy = multiply(p.v.y, w) - multiply(nv, p.w.y);
   const int drop = max_of(0, max_of(max_of(bit_length(ux), bit_length(uy)), max_of(bit_length(vx), bit_length(vy))) - 31);
-  const auto square = [drop](wide a) {
-    const uint64_t x = shift_right_floor(magnitude(a), drop).low;
-    return x * x;
+  const auto cut = [drop](wide a) {
+    const int64_t x = int64_t(shift_right_floor(magnitude(a), drop).low);
+    return a.high < 0 ? -x : x;
   };
-  const auto half_log2 = [drop](uint64_t s) { return s == 0 ? -(100 << 16) : log2_16(s) / 2 + (drop << 16); };
-  return {half_log2(square(ux) + square(vx)), half_log2(square(uy) + square(vy))};
+  return {cut(ux), cut(uy), cut(vx), cut(vy), drop};
+}
+
+// log2 of the lengths of the two columns, s.16; minus 100 for zero.
+struct gradient_logs { int32_t x, y; };
+constexpr gradient_logs gradient_logs_at(const plane& p, int32_t hx, int32_t hy) {
+  const scaled_gradients g = scaled_gradients_at(p, hx, hy);
+  const auto half_log2 = [&g](int64_t u, int64_t v) {
+    const uint64_t s = uint64_t(u * u) + uint64_t(v * v);
+    return s == 0 ? -(100 << 16) : log2_16(s) / 2 + (g.drop << 16);
+  };
+  return {half_log2(g.ux, g.vx), half_log2(g.uy, g.vy)};
 }
 
 // log2 of KT88's K such that K/W^2 is twice the longer column of the Jacobian (per pixel) at a point where W > 0. For a plane seen by
@@ -101,6 +115,28 @@ constexpr int32_t major_log2_at(const plane& p, int32_t hx, int32_t hy) {
   const gradient_logs g = gradient_logs_at(p, hx, hy);
   return max_of(g.x, g.y) + (2 << 16);
 }
+
+namespace detail {
+
+// log2 |det| of the plane's nine coefficients, s.16; minus 200 for zero. The 2x2 minors of the rows u, v are exact (114 bits); cut to 79 of the
+// largest they meet 45 bits of w in 126. Error: three cuts of 2^-78 of the largest product, which only a plane that is edge-on to
+// 2^-50 can feel, and its minor axis is none.
+constexpr int32_t determinant_log2(const plane& p) {
+  const wide xy = multiply(p.u.x, p.v.y) - multiply(p.u.y, p.v.x);
+  const wide yc = multiply(p.u.y, p.v.c) - multiply(p.u.c, p.v.y), cx = multiply(p.u.c, p.v.x) - multiply(p.u.x, p.v.c);
+  const int drop = max_of(0, max_of(bit_length(xy), max_of(bit_length(yc), bit_length(cx))) - 79);
+  const auto times = [drop](wide minor, int64_t w) { return multiply(shift_right_nearest(minor, drop), w); };
+  const wide det = magnitude(times(yc, p.w.x) + times(cx, p.w.y) + times(xy, p.w.c));
+  if (det.zero()) return -(200 << 16);
+  const int cut = max_of(0, bit_length(det) - 62);
+  return log2_16(shift_right_floor(det, cut).low) + ((cut + drop) << 16);
+}
+
+}  // namespace detail
+
+// log2 of KT88's K' of the minor axis. The Jacobian's determinant of a homography is |det M| / W^3, so the circle of diameter two pixel
+// intervals has an image whose axes multiply to 4 |det M| / W^3 (16 in half pixels); divided by the major axis K / W^2 that is K' / W.
+constexpr int32_t minor_log2_of(const plane& p) { return detail::determinant_log2(p) + (4 << 16) - p.major_log2; }
 
 namespace detail {
 
@@ -123,6 +159,7 @@ constexpr status normalise(const homography& m, rectangle region, plane& out, in
     if (p.w_at(ax, ay) <= 0) return status::degenerate;
   }
   p.major_log2 = major_log2_at(p, ax, ay);
+  p.minor_log2 = minor_log2_of(p);
   out = p;
   return status::ok;
 }
@@ -179,16 +216,35 @@ constexpr wide_row on_screen(const wide_vector& k, const view& s) {
   return {x + x, y + y, c2};
 }
 
-// log2(2 T Delta d), 16 fraction bits: T the longer of the texture axes, Delta the larger pixel step.
+// log2(2 T Delta d), 16 fraction bits: T the texels per unit of length (squared, 32 fraction bits), Delta the larger pixel step.
+constexpr int32_t log2_major(uint64_t t, int32_t d, const view& s) {
+  const uint32_t step = s.step_x > s.step_y ? s.step_x : s.step_y;
+  if (t == 0 || step == 0) return -(100 << 16);
+  return ((log2_16(t) - (32 << 16)) / 2) + (log2_16(step) - (32 << 16)) + (log2_16(magnitude(d)) - (16 << 16)) + (1 << 16);
+}
+
+// With the longer of the texture axes.
 constexpr int32_t log2_major(const kt88_plane& q, const view& s) {
   const auto squared = [](const vector3& a) {
     const auto square = [](int32_t x) { return uint64_t(int64_t(x) * x); };
     return square(a.x) + square(a.y) + square(a.z);                         // 32 fraction bits, below 2^64
   };
-  const uint64_t tu = squared(q.axis_u), tv = squared(q.axis_v), t = tu > tv ? tu : tv;
-  const uint32_t step = s.step_x > s.step_y ? s.step_x : s.step_y;
-  if (t == 0 || step == 0) return -(100 << 16);
-  return ((log2_16(t) - (32 << 16)) / 2) + (log2_16(step) - (32 << 16)) + (log2_16(magnitude(q.d)) - (16 << 16)) + (1 << 16);
+  const uint64_t tu = squared(q.axis_u), tv = squared(q.axis_v);
+  return log2_major(tu > tv ? tu : tv, q.d, s);
+}
+
+// A plane at a signed distance d from a camera, its rows with camera_bits + 33 fraction bits in pixels.
+struct seen_from { int32_t d, log2_k; };
+constexpr status seen_plane(const wide_row& u, const wide_row& v, const wide_row& w, seen_from from, const view& s, plane& out) {
+  // A ray meets the plane in front of the viewer where -d/W > 0: with d > 0 every sign turns.
+  const auto facing = [&](wide k) { return from.d > 0 ? -k : k; };
+  const homography m{facing(u.x), facing(u.y), facing(u.c), facing(v.x), facing(v.y), facing(v.c), facing(w.x), facing(w.y), facing(w.c)};
+  int drop = 0;
+  SPANTEX_TRY(normalise(m, {0, 0, s.width_px, s.height_px}, out, drop));
+  // The plane's W carries camera_bits + 33 + 1 - drop fraction bits.
+  out.major_log2 = from.log2_k + 2 * ((camera_bits + 34 - drop) << 16);
+  out.minor_log2 = minor_log2_of(out);
+  return status::ok;
 }
 
 }  // namespace detail
@@ -200,15 +256,7 @@ constexpr status make_plane(const kt88_plane& q, const view& s, plane& out) {
   const detail::wide_row u = detail::on_screen(detail::numerator(q, q.axis_u, q.u0), s);
   const detail::wide_row v = detail::on_screen(detail::numerator(q, q.axis_v, q.v0), s);
   const detail::wide_row w = detail::on_screen({normal(q.normal.x), normal(q.normal.y), normal(q.normal.z)}, s);
-  // A ray meets the plane in front of the viewer where -d/W > 0: with d > 0 every sign turns.
-  const auto facing = [&](wide k) { return q.d > 0 ? -k : k; };
-  const homography m{facing(u.x), facing(u.y), facing(u.c), facing(v.x), facing(v.y), facing(v.c),
-                     facing(w.x), facing(w.y), facing(w.c)};
-  int drop = 0;
-  SPANTEX_TRY(detail::normalise(m, {0, 0, s.width_px, s.height_px}, out, drop));
-  // The plane's W carries camera_bits + 33 + 1 - drop fraction bits.
-  out.major_log2 = detail::log2_major(q, s) + 2 * ((detail::camera_bits + 34 - drop) << 16);
-  return status::ok;
+  return detail::seen_plane(u, v, w, {q.d, detail::log2_major(q, s)}, s, out);
 }
 
 }  // namespace spantex

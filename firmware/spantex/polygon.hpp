@@ -143,6 +143,14 @@ constexpr linear_form depth_form(const plane& p, wide determinant, int drop, int
   return {scaled(p.w.x), scaled(p.w.y), scaled(p.w.c)};
 }
 
+// What vertex attributes other than u and v are interpolated with (shade.hpp).
+struct polygon_basis {
+  adjugate adjugated;
+  int second, drop;  // vertices 0, second, second + 1; W of the plane = 2 W of the adjugate / 2^drop
+};
+
+constexpr status make_polygon(const vertex* vertices, int count, const projection& camera, rectangle clip, polygon& out, polygon_basis& basis);
+
 }  // namespace detail
 
 // Sets a convex planar polygon up: the plane through its first three vertices that span one, edges after clipping against the
@@ -150,6 +158,12 @@ constexpr linear_form depth_form(const plane& p, wide determinant, int drop, int
 // 2^28 pixels times depth), degenerate (zero area, edge-on, outside).
 // No divisor W <= 0 survives: what lies nearer than near_z is cut off before projection.
 constexpr status make_polygon(const vertex* vertices, int count, const projection& camera, rectangle clip, polygon& out) {
+  detail::polygon_basis basis{};
+  return detail::make_polygon(vertices, count, camera, clip, out, basis);
+}
+
+constexpr status detail::make_polygon(const vertex* vertices, int count, const projection& camera, rectangle clip, polygon& out,
+                                      polygon_basis& basis) {
   if (count < 3 || count > max_polygon_vertices) return status::bad_size;
   if (!on_screen(clip)) return status::bad_size;
   if (camera.near_z <= 0) return status::out_of_range;
@@ -206,13 +220,23 @@ constexpr status make_polygon(const vertex* vertices, int count, const projectio
   int drop = 0;
   SPANTEX_TRY(detail::normalise(h, out.box, out.map, drop));
   out.depth = detail::depth_form(out.map, m.determinant, drop, camera.near_z);
+  basis = {m, second, drop};
   return status::ok;
 }
 
+namespace detail {
+
+// dx, dy half pixels from the form's origin.
+constexpr uint32_t depth_of(const linear_form& depth, int32_t dx, int32_t dy) {
+  const int64_t d = (depth.c + depth.x * dx + depth.y * dy) >> depth_guard_bits;
+  return uint32_t(clamp_to(d, int64_t(1), int64_t(1) << 31));
+}
+
+}  // namespace detail
+
 // Depth of a pixel, larger is nearer: near/z as u0.31, saturated to [1, 2^31].
 constexpr uint32_t depth_at(const polygon& p, int32_t hx, int32_t hy) {
-  const int64_t d = (p.depth.c + p.depth.x * (hx - p.map.origin_x) + p.depth.y * (hy - p.map.origin_y)) >> depth_guard_bits;
-  return uint32_t(clamp_to(d, int64_t(1), int64_t(1) << 31));
+  return detail::depth_of(p.depth, hx - p.map.origin_x, hy - p.map.origin_y);
 }
 
 }  // namespace spantex

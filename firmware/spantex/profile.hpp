@@ -22,6 +22,7 @@ enum class level_scope : uint8_t { span, pixel };
 enum class level_formula : uint8_t {
   major,     // KT88: log2 K - 2 log2 W, K fixed per plane; major axis of a circle of diameter two pixel intervals
   jacobian,  // the longer column of the Jacobian, as Vulkan's rho
+  minor,     // KT88: log2 K' - log2 W; minor axis of the same circle: its image's area over the major axis
 };
 
 struct profile {
@@ -37,6 +38,12 @@ struct profile {
   int subtexel_bits = 8;                            // fraction bits of a snapped position: the weights of the filter
   int level_bits = 8;                               // fraction bits of the level of detail
   int blend_bits = 24;                              // fraction bits of a colour kept after each interpolation
+  int max_samples = 16;                             // filter aniso: samples along a footprint, 1 to 16
+  int sample_slack = 2;                             // the number of samples is the axes' ratio less this many 1/16, rounded up (0 to 15)
+  int sample_bias = -8;                             // s3.4: added to the level of a footprint's minor axis, in 1/16 level (-16 to 0)
+  int area_side_log2 = 4;                           // filters step, hat: a footprint lies within 2^this texels a side (1 to 4)
+  bool contours = true;                             // filter contour; false leaves its code out: alpha comes as from trilinear
+  bool linear_light = true;                         // sRGB maps in linear light; false leaves code and table out: filtered as coded
   rounding position_rounding = rounding::nearest;   // when a position is snapped to subtexel_bits
   rounding colour_rounding = rounding::nearest;     // after each interpolation and at write-out
 
@@ -50,7 +57,9 @@ constexpr bool is_valid(const profile& p) {
          p.coordinate_bits >= 4 && p.coordinate_bits <= 16 && p.offset_bits >= 12 && p.offset_bits <= 31 &&
          p.reciprocal_bits >= 12 && p.reciprocal_bits <= 30 && p.tolerance_bits >= 0 && p.tolerance_bits <= 16 &&
          p.subtexel_bits >= 1 && p.subtexel_bits <= 8 && p.level_bits >= 1 && p.level_bits <= 8 &&
-         p.blend_bits >= 0 && p.blend_bits <= 24;
+         p.blend_bits >= 0 && p.blend_bits <= 24 && p.max_samples >= 1 && p.max_samples <= 16 &&
+         p.sample_slack >= 0 && p.sample_slack <= 15 && p.sample_bias >= -16 && p.sample_bias <= 0 &&
+         p.area_side_log2 >= 1 && p.area_side_log2 <= 4;
 }
 
 namespace profiles {
@@ -60,16 +69,17 @@ inline constexpr profile seed{.fine_side = 8, .overflow = overflow_policy::clamp
                               .formula = level_formula::major, .coordinate_bits = 12, .offset_bits = 23,
                               .reciprocal_bits = 22, .tolerance_bits = 8};
 
-// 32-bit products only: 16-bit numerators and reciprocals.
+// 32-bit products only: 16-bit numerators and reciprocals. Halves go to even: its short weights meet them often.
 inline constexpr profile compact{.fine_side = 8, .overflow = overflow_policy::coarser, .coordinate_bits = 10,
                                  .offset_bits = 15, .reciprocal_bits = 14, .tolerance_bits = 7, .subtexel_bits = 6,
-                                 .level_bits = 6, .blend_bits = 8};
+                                 .level_bits = 6, .blend_bits = 8,
+                                 .colour_rounding = rounding::even};
 
 // Quality for its cost.
 inline constexpr profile standard{.fine_side = 16, .coordinate_bits = 14, .tolerance_bits = 9, .blend_bits = 16};
 
 // The promised accuracy everywhere.
-inline constexpr profile exact{.fine_side = 32};
+inline constexpr profile exact{.fine_side = 32, .sample_slack = 0};
 
 }  // namespace profiles
 
@@ -80,6 +90,7 @@ struct fixed_profile {
   static constexpr int max_fine_side = P.fine_side;
   static constexpr int max_offset_bits = P.offset_bits;
   static constexpr int max_reciprocal_bits = P.reciprocal_bits;
+  static constexpr bool has_contours = P.contours, has_linear_light = P.linear_light;
   constexpr const profile& get() const { return value; }
   static constexpr profile value = P;
 };
@@ -89,6 +100,7 @@ struct run_time_profile {
   static constexpr int max_fine_side = 32;
   static constexpr int max_offset_bits = 31;
   static constexpr int max_reciprocal_bits = 30;
+  static constexpr bool has_contours = true, has_linear_light = true;
   constexpr const profile& get() const { return value; }
   profile value;
 };

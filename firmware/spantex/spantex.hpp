@@ -11,11 +11,16 @@
 //   formats     s15_16: sign, 15 integer bits, 16 fraction bits; u0_8 likewise without sign. Every rounding: docs/SPEC.md
 //   errors      [[nodiscard]] status; nothing throws, allocates or keeps static state
 //
-// Start at draw.hpp (renderer), plane.hpp and polygon.hpp (what is drawn), texture.hpp (maps), profile.hpp (word lengths).
+// Start at draw.hpp (renderer), plane.hpp and polygon.hpp (what is drawn), texture.hpp (maps), profile.hpp (word lengths);
+// camera.hpp (planes by angles), object_space.hpp (polygons filtered on the screen).
 #pragma once
+#include <spantex/camera.hpp>
 #include <spantex/draw.hpp>
+#include <spantex/global_memory.hpp>
+#include <spantex/object_space.hpp>
 #include <spantex/plane.hpp>
 #include <spantex/polygon.hpp>
 #include <spantex/profile.hpp>
+#include <spantex/shade.hpp>
 #include <spantex/status.hpp>
 #include <spantex/texture.hpp>

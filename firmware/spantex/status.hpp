@@ -10,6 +10,8 @@ enum class [[nodiscard]] status : uint8_t {
   // what a caller handed over
   bad_size,         // a width, height or level count outside the supported range
   bad_pointer,      // a null pointer where texels or pixels are needed
+  bad_alignment,    // texels at an address that their format does not allow
+  out_of_memory,    // more than the caller's memory holds
   bad_levels,       // mip levels whose sizes do not follow floor(size / 2^L)
   out_of_range,     // a number outside its documented range
   degenerate,       // nothing to draw: edge-on plane, zero area, singular set-up
@@ -21,6 +23,16 @@ enum class [[nodiscard]] status : uint8_t {
   device_error,     // the engine failed
   device_timeout,   // the engine did not answer in time
   mismatch,         // a replayed operation differs from the recorded one
+  // what is wrong with a texture pack
+  pack_misaligned,  // its bytes are not at a multiple of 8
+  pack_truncated,   // fewer bytes than it says it has
+  pack_not_a_pack,  // it does not begin as one
+  pack_bad_version, // made for another version of the library
+  pack_bad_header,  // the header's checksum is wrong
+  pack_bad_field,   // a header field holds what is not defined
+  pack_bad_layout,  // levels are not where, or as long as, format and size say
+  pack_byte_order,  // 16-bit texels of the other byte order
+  pack_bad_payload, // the checksum of the texels is wrong
 };
 
 constexpr const char* to_string(status s) {
@@ -28,6 +40,8 @@ constexpr const char* to_string(status s) {
     case status::ok: return "ok";
     case status::bad_size: return "size out of range";
     case status::bad_pointer: return "null pointer";
+    case status::bad_alignment: return "texels at an odd address";
+    case status::out_of_memory: return "out of texture memory";
     case status::bad_levels: return "mip level sizes are not floor(size / 2^L)";
     case status::out_of_range: return "number out of range";
     case status::degenerate: return "degenerate: nothing to draw";
@@ -38,6 +52,15 @@ constexpr const char* to_string(status s) {
     case status::device_error: return "engine failed";
     case status::device_timeout: return "engine did not answer in time";
     case status::mismatch: return "operation differs from the recording";
+    case status::pack_misaligned: return "texture pack is not at a multiple of 8 bytes";
+    case status::pack_truncated: return "texture pack is truncated";
+    case status::pack_not_a_pack: return "not a texture pack";
+    case status::pack_bad_version: return "texture pack of an unknown version";
+    case status::pack_bad_header: return "texture pack is damaged: checksum of its header";
+    case status::pack_bad_field: return "texture pack has an undefined header field";
+    case status::pack_bad_layout: return "texture pack has levels that do not fit its format and size";
+    case status::pack_byte_order: return "texture pack has 16-bit texels of the other byte order";
+    case status::pack_bad_payload: return "texture pack is damaged: checksum of its texels";
   }
   return "unknown status";
 }

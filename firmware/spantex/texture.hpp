@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// A texture map in global texture memory: levels 0..n-1 of texels (texel.hpp: RGBA8888 or a 16-bit format), rows from the top, level L of size
+// A texture map in global texture memory: levels 0..n-1 in one of the formats of texel.hpp, rows from the top, level L of size
 // max(1, floor(size / 2^L)). The view owns nothing and is validated once, when it is made; kernels trust it.
 #pragma once
 #include <stdint.h>
 
 #include <spantex/bits.hpp>
+#include <spantex/block_codec.hpp>
+#include <spantex/contour_style.hpp>
 #include <spantex/span.hpp>
+#include <spantex/srgb.hpp>
 #include <spantex/status.hpp>
 #include <spantex/texel.hpp>
 #include <spantex/wrap.hpp>
@@ -29,23 +32,48 @@ class texture_view {
     texture_view t;
     for (int k = 0; k < level_count; ++k) {
       if (levels[k] == nullptr) return status::bad_pointer;
-      t.levels_[k] = levels[k];
+      t.levels_[k].colours = levels[k];
     }
     out = shaped(t, level_count, width, height, wrap_u, wrap_v);
     return status::ok;
   }
 
-  // The same for a 16-bit format. Errors: also out_of_range for rgba8888, whose texels are not 16-bit numbers.
+  // The same for a 16-bit format. Errors: also out_of_range for the other formats, whose texels are not 16-bit numbers.
   static constexpr status make(texel_format format, const uint16_t* const* levels, int level_count, int32_t width, int32_t height,
                                wrap wrap_u, wrap wrap_v, texture_view& out) {
-    if (format == texel_format::rgba8888) return status::out_of_range;
+    if (!is_16_bit(format)) return status::out_of_range;
     SPANTEX_TRY(check_shape(level_count, width, height));
     texture_view t;
     for (int k = 0; k < level_count; ++k) {
       if (levels[k] == nullptr) return status::bad_pointer;
-      t.packed_[k] = levels[k];
+      t.levels_[k].numbers = levels[k];
     }
     t.format_ = format;
+    out = shaped(t, level_count, width, height, wrap_u, wrap_v);
+    return status::ok;
+  }
+
+  // The same for any format: level k has level_bytes(format, its width, its height) bytes. A palette is required by formats that have
+  // indices and ignored by the others. Errors: also bad_alignment (a 16-bit format at an odd address; the others may lie anywhere),
+  // bad_pointer for a missing palette, out_of_range (an unknown format, a palette without colours or with more than indices reach).
+  static status make(texel_format format, const void* const* levels, int level_count, int32_t width, int32_t height, wrap wrap_u,
+                     wrap wrap_v, texture_view& out, const rgba8* palette = nullptr, int palette_count = 0) {
+    if (int(format) >= texel_format_count) return status::out_of_range;
+    SPANTEX_TRY(check_shape(level_count, width, height));
+    texture_view t;
+    for (int k = 0; k < level_count; ++k) {
+      if (levels[k] == nullptr) return status::bad_pointer;
+      if (is_16_bit(format) && reinterpret_cast<uintptr_t>(levels[k]) % alignof(uint16_t) != 0) return status::bad_alignment;
+      t.levels_[k] = typed(format, levels[k]);
+    }
+    if (palette_size(format) != 0) {
+      if (palette == nullptr) return status::bad_pointer;
+      if (palette_count < 1 || palette_count > palette_size(format)) return status::out_of_range;
+      t.palette_ = palette;
+      t.palette_count_ = int16_t(palette_count);
+    }
+    t.format_ = format;
+    t.decode_ = decoder_of(format);
     out = shaped(t, level_count, width, height, wrap_u, wrap_v);
     return status::ok;
   }
@@ -64,12 +92,28 @@ class texture_view {
   constexpr int32_t wrapped_u(int32_t k, int level) const { return wrapped(wrap_u_, k, width(level)); }
   constexpr int32_t wrapped_v(int32_t k, int level) const { return wrapped(wrap_v_, k, height(level)); }
 
-  // x and y already wrapped.
+  // x and y already wrapped. For a compressed format the whole block is decoded: the loader keeps blocks instead.
   constexpr rgba8 texel(int level, int32_t x, int32_t y) const {
-    const int32_t index = y * width(level) + x;
-    return format_ == texel_format::rgba8888 ? levels_[level][index] : unpack(format_, packed_[level][index]);
+    if (format_ == texel_format::rgba8888) return levels_[level].colours[y * width(level) + x];
+    return is_16_bit(format_) ? unpack(format_, levels_[level].numbers[y * width(level) + x]) : other_texel(level, x, y);
   }
   constexpr texel_format format() const { return format_; }
+
+  // Of a compressed format: the block with texels (4 bx .. 4 bx + 3, 4 by .. 4 by + 3).
+  constexpr void decode_block(int level, int32_t bx, int32_t by, texel_block& out) const {
+    decode_(levels_[level].bytes + (by * blocks_across(width(level)) + bx) * int32_t(block_bytes(format_)), out);
+  }
+
+  // How texels are read: neither changes what is loaded. Filter nearest delivers them as they are.
+  constexpr colour_space colours() const { return colours_; }
+  constexpr void set_colours(colour_space space) { colours_ = space; }
+  constexpr const contour_style& contour() const { return contour_; }
+  // Errors: out_of_range (scale).
+  constexpr status set_contour(const contour_style& style) {
+    SPANTEX_TRY(check(style));
+    contour_ = style;
+    return status::ok;
+  }
 
   // What tells two maps apart, for reuse of what is loaded: the same texels, wrapped in the same way.
   struct identity {
@@ -77,11 +121,14 @@ class texture_view {
     int32_t width = 0, height = 0;
     wrap wrap_u = wrap::repeat, wrap_v = wrap::repeat;
     texel_format format = texel_format::rgba8888;
+    const rgba8* palette = nullptr;
     friend constexpr bool operator==(const identity&, const identity&) = default;
   };
   constexpr identity id() const {
-    const void* const texels = format_ == texel_format::rgba8888 ? static_cast<const void*>(levels_[0]) : packed_[0];
-    return {texels, width_, height_, wrap_u_, wrap_v_, format_};
+    const void* const texels = format_ == texel_format::rgba8888 ? static_cast<const void*>(levels_[0].colours)
+                               : is_16_bit(format_)              ? static_cast<const void*>(levels_[0].numbers)
+                                                                 : levels_[0].bytes;
+    return {texels, width_, height_, wrap_u_, wrap_v_, format_, palette_};
   }
 
  private:
@@ -111,13 +158,47 @@ class texture_view {
     return r > (uint64_t(1) << 31) ? uint32_t(1) << 31 : uint32_t(r);
   }
 
-  const rgba8* levels_[max_levels] = {};     // rgba8888
-  const uint16_t* packed_[max_levels] = {};  // the other formats
+  // 16-bit numbers may lie in memory that was written as words (global_memory.hpp).
+  using number = uint16_t __attribute__((__may_alias__));
+  union storage {
+    const rgba8* colours = nullptr;  // rgba8888
+    const number* numbers;           // a 16-bit format
+    const uint8_t* bytes;            // the other formats
+  };
+
+  static storage typed(texel_format format, const void* level) {
+    storage t;
+    if (format == texel_format::rgba8888) t.colours = static_cast<const rgba8*>(level);
+    else if (is_16_bit(format)) t.numbers = static_cast<const number*>(level);
+    else t.bytes = static_cast<const uint8_t*>(level);
+    return t;
+  }
+
+  constexpr rgba8 colour(int index) const { return index < palette_count_ ? palette_[index] : rgba8{0, 0, 0, 0}; }
+
+  constexpr rgba8 other_texel(int level, int32_t x, int32_t y) const {
+    if (is_compressed(format_)) {
+      texel_block block;
+      decode_block(level, x / block_side, y / block_side, block);
+      return block.texel[y % block_side * block_side + x % block_side];
+    }
+    const uint8_t* const row = levels_[level].bytes + y * int32_t(row_bytes(format_, width(level)));
+    if (format_ == texel_format::palette4) return colour(nibble(row, x));
+    if (format_ == texel_format::palette8) return colour(row[x]);
+    return unpack(format_, row + x * (texel_bits(format_) / 8));
+  }
+
+  storage levels_[max_levels] = {};
+  const rgba8* palette_ = nullptr;
+  block_decoder decode_ = nullptr;  // of a compressed format
   uint32_t ratio_u_[max_levels] = {}, ratio_v_[max_levels] = {};
   int32_t width_ = 0, height_ = 0;
+  int16_t palette_count_ = 0;
   uint8_t level_count_ = 0;
   texel_format format_ = texel_format::rgba8888;
   wrap wrap_u_ = wrap::repeat, wrap_v_ = wrap::repeat;
+  colour_space colours_ = colour_space::coded;
+  contour_style contour_{};
 };
 
 }  // namespace spantex

@@ -13,11 +13,12 @@ import sys
 import tempfile
 
 sys.dont_write_bytecode = True
-from spantex_command import BINARY, FACING, QUAD_WITH_UV, png_bytes, read_png, run  # noqa: E402
+from spantex_command import BINARY, FACING, FORMATS, QUAD_WITH_UV, png_bytes, read_png, run  # noqa: E402
 
-FILTERS = ["nearest", "bilinear", "three-point", "mip-bilinear", "trilinear", "trilinear3"]
+FILTERS = ["nearest", "bilinear", "three-point", "mip-bilinear", "trilinear", "trilinear3", "squares", "aniso", "step", "hat"]
 PROFILES = ["seed", "compact", "default", "exact"]
 WRAPS = ["repeat", "clamp", "mirror"]
+PREFILTERS = ["box", "triangle", "kaiser", "lanczos"]
 IDENTITY = "1,0,0,0,1,0,0,0,1"
 TILTED = "0.621854806,-0.142806403,-12.2821072,-0.226336639,-0.392357368,585.413164,0,0.000855254125,0.43752662"
 HORIZON = "0.21,-0.05,-31.7,-0.08,0.13,103.9,0.0002,0.0041,-0.171"
@@ -37,11 +38,13 @@ def plane(folder, out, texture="map.png", size="64x48", matrix=FACING, **more):
 
 
 def test_help(folder):
-    for sub in ([], ["plane"], ["render"], ["compare"], ["trace"], ["demo"]):
+    for sub in ([], ["plane"], ["render"], ["texture"], ["prefilters"], ["compare"], ["trace"], ["demo"]):
         text = done(*sub, "--help", cwd=folder)
         assert "--help" in text, sub
     for option in "--texture --size --matrix --out --filter --profile --wrap --engine --prefilter --threads --repeat --stats".split():
         assert option in done("plane", "--help", cwd=folder), option
+    for option in "--out --c-array --format --prefilter --wrap --inverse --alpha-weighted --alpha-test --levels --byte-order --srgb --threads".split():
+        assert option in done("texture", "--help", cwd=folder), option
 
 
 def test_stats(folder):
@@ -64,6 +67,18 @@ def test_stats(folder):
         several = json.loads((folder / "s.json").read_text())
         assert several["machines"] == machines and several["cycles"] < stats["cycles"] <= several["cycles_of_all_machines"], several
         assert several["compute_cycles"] == stats["compute_cycles"] and several["pixels"] == stats["pixels"], several
+    assert stats["format"] == "rgba8888" and 0 < stats["words_read"] and stats["words_uploaded"] >= 128 * 128 * 4 // 8
+    for name, texels_a_word in (("rgb565", 4), ("palette8", 8), ("bc1", 16), ("etc2_rgba8", 8)):
+        for engine in ("direct", "sim"):
+            plane(folder, f"{engine}.png", stats="s.json", engine=engine, format=name)
+            packed = json.loads((folder / "s.json").read_text())
+            assert packed["format"] == name and packed["words_loaded"] == stats["words_loaded"], packed
+            assert packed["words_read"] < stats["words_read"] and packed["words_uploaded"] < 2 * 128 * 128 // texels_a_word, packed
+        assert (folder / "direct.png").read_bytes() == (folder / "sim.png").read_bytes(), name
+    done("render", "fig8", "--size", "64x48", "--format", "etc1", "--out", "a.png", cwd=folder)
+    done("trace", "tilted", "--size", "64x48", "--format", "bc3", "--json", "t.json", cwd=folder)
+    uploads = [e for e in json.loads((folder / "t.json").read_text())["traceEvents"] if e["name"] == "map upload"]
+    assert len(uploads) == 1 and uploads[0]["args"]["words"] > 512 * 512 // 8, uploads
     for sub in ("plane", "render"):
         assert "machines" in done(sub, "--help", cwd=folder), sub
     done("render", "fig8", "--size", "64x48", "--out", "o.png", "--stats", "s.json", "--psnr", cwd=folder)
@@ -75,7 +90,7 @@ def test_engines_agree(folder):
     for filter_name, profile, wrap in itertools.product(FILTERS, PROFILES, WRAPS):
         how = dict(filter=filter_name, profile=profile, wrap=wrap, matrix=TILTED)
         assert plane(folder, "a.png", **how) == plane(folder, "b.png", engine="sim", **how), how
-    for scene, profile in itertools.product(("fig6", "fig7", "fig8", "fig9"), PROFILES):
+    for scene, profile in itertools.product(("fig6", "fig7", "fig8", "fig9", "chessboard"), PROFILES):
         for engine in ("direct", "sim"):
             done("render", scene, "--size", "96x72", "--profile", profile, "--engine", engine, "--out", f"{engine}.png", cwd=folder)
         assert (folder / "direct.png").read_bytes() == (folder / "sim.png").read_bytes(), (scene, profile)
@@ -123,7 +138,7 @@ def test_sizes(folder):
         assert tuple(map(int, size.split("x"))) == (int.from_bytes(header[:4], "big"), int.from_bytes(header[4:], "big"))
     for width, height in ((1, 1), (1, 64), (100, 37), (33, 65), (255, 3), (4096, 2)):
         (folder / "n.png").write_bytes(png_bytes(width, height))
-        for prefilter, wrap in itertools.product(("box", "triangle"), WRAPS):
+        for prefilter, wrap in itertools.product(PREFILTERS, WRAPS):
             how = dict(texture="n.png", matrix=TILTED, filter="trilinear", prefilter=prefilter, wrap=wrap, profile="exact")
             assert plane(folder, "a.png", **how) == plane(folder, "b.png", engine="sim", **how), (width, height, how)
 
@@ -131,7 +146,7 @@ def test_sizes(folder):
 def test_constant_maps_stay_constant(folder):
     for width, height in ((64, 64), (37, 23), (1, 1)):
         (folder / "c.png").write_bytes(png_bytes(width, height, pixel=lambda x, y: [201, 3, 77, 255]))
-        for filter_name, prefilter in itertools.product(FILTERS, ("box", "triangle")):
+        for filter_name, prefilter in itertools.product(FILTERS, PREFILTERS):
             plane(folder, "o.png", "c.png", matrix=TILTED, filter=filter_name, prefilter=prefilter)
             _, _, rows = read_png(folder / "o.png")
             assert all(row == bytes([201, 3, 77, 255]) * 64 for row in rows), (width, filter_name, prefilter)
@@ -222,6 +237,68 @@ def test_compare(folder):
     assert list(rows[4][12:16]) == [10, 0, 0, 255] and rows[0] == bytes([0, 0, 0, 255]) * 20
     text = done("compare", "a.png", "a.png", cwd=folder)
     assert re.search(r"^PSNR +inf dB$", text, re.M) and re.search(r"^SSIM +1\.000000$", text, re.M), text
+
+
+def test_texture_packs(folder):
+    """A picture and the pack made of it draw the same picture, in every command that takes a texture."""
+    (folder / "n.png").write_bytes(png_bytes(100, 37))
+    for prefilter, wrap in itertools.product(PREFILTERS, WRAPS):
+        done("texture", "n.png", "--out", "n.stx", "--prefilter", prefilter, "--wrap", wrap, cwd=folder)
+        for engine in ("direct", "sim"):
+            how = dict(matrix=TILTED, filter="trilinear", engine=engine)
+            assert plane(folder, "a.png", "n.stx", **how) == plane(folder, "b.png", "n.png", prefilter=prefilter, wrap=wrap, **how), (prefilter, wrap)
+    for command in (["render", "tilted"], ["trace", "tilted", "--vcd", "/dev/null"]):
+        for name in ("n.stx", "n.png"):
+            more = ["--prefilter", "lanczos", "--wrap", "mirror"] if name == "n.png" else []
+            done(*command, "--texture", name, "--size", "64x48", "--out", name + ".out.png", *more, cwd=folder)
+        assert (folder / "n.stx.out.png").read_bytes() == (folder / "n.png.out.png").read_bytes(), command
+
+
+def test_packs_of_every_format(folder):
+    """A picture drawn in a format and its pack in that format give the same picture; the header tells the format."""
+    (folder / "n.png").write_bytes(png_bytes(30, 21))
+    for number, name in enumerate(FORMATS):
+        done("texture", "n.png", "--out", "n.stx", "--format", name, cwd=folder)
+        assert (folder / "n.stx").read_bytes()[12] == number, name
+        how = dict(matrix=TILTED, filter="trilinear")
+        assert plane(folder, "a.png", "n.stx", **how) == plane(folder, "b.png", "n.png", format=name, **how), name
+
+
+def test_packs_do_not_depend_on_threads(folder):
+    for more in (["--inverse"], ["--alpha-weighted", "--alpha-test", "128"], ["--format", "argb4444"], ["--format", "palette8"],
+                 ["--format", "etc2_rgba8", "--alpha-test", "128"]):
+        packs = set()
+        for threads in ("1", "2", "7"):
+            done("texture", "map.png", "--out", "t.stx", "--prefilter", "kaiser", "--threads", threads, *more, cwd=folder)
+            packs.add((folder / "t.stx").read_bytes())
+        assert len(packs) == 1, more
+
+
+def test_packs_of_16_bit_texels(folder):
+    (folder / "f.png").write_bytes(png_bytes(16, 16, 6, lambda x, y: [8 * x, 16 * y, 200, 255 if x < 8 else 0]))
+    widen = {"rgb565": lambda r, g, b, a: [round(255 * round(31 * r / 255) / 31), round(255 * round(63 * g / 255) / 63), round(255 * round(31 * b / 255) / 31), 255],
+             "argb4444": lambda r, g, b, a: [17 * round(x / 17) for x in (r, g, b, a)]}
+    for name, expected in widen.items():
+        done("texture", "f.png", "--out", "f.stx", "--format", name, "--levels", "2", cwd=folder)
+        data = (folder / "f.stx").read_bytes()
+        assert (data[13], len(data)) == (2, 64 + 512 + 128), name
+        plane(folder, "o.png", "f.stx", "16x16", IDENTITY, filter="nearest")
+        _, _, rows = read_png(folder / "o.png")
+        for y, x in itertools.product(range(16), range(16)):
+            assert list(rows[y][4 * x:4 * x + 4]) == expected(8 * x, 16 * y, 200, 255 if x < 8 else 0), (name, x, y)
+
+
+def test_prefilter_tables(folder):
+    text = done("prefilters", cwd=folder)
+    response = {line[:16].strip(): [float(n) for n in line[16:].replace("|", " ").split()] for line in text.splitlines()[2:]}
+    assert set(response) == {p + s for p in PREFILTERS for s in ("", " inverse")}, text
+    quarter, nyquist, alias = 2, 4, 6
+    for name, row in response.items():
+        assert 0.98 < row[0] < 1.02 and len(row) == 9, (name, row)
+    assert response["kaiser"][quarter] > response["box"][quarter] > response["triangle"][quarter]
+    assert abs(response["kaiser"][alias]) < 0.02 < 0.3 < response["box"][alias]
+    for name in ("box", "triangle"):  # the inverse brings a quarter cycle back and costs an overshoot
+        assert abs(response[name + " inverse"][quarter] - 1) < 0.01 and response[name][-1] == 0 < response[name + " inverse"][-1], name
 
 
 def test_trace(folder):

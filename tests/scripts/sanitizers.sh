@@ -1,3 +1,3 @@
 #!/bin/sh
-# Every unit test under clang's address, undefined-behaviour and unsigned-overflow sanitizers.
+# The whole suite under clang's address, undefined-behaviour and unsigned-overflow sanitizers: tests/sanitized.py tells what that is.
 exec make --no-print-directory -C "$(dirname "$0")/../.." B="$SPANTEX_BUILD" sanitize

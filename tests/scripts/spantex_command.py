@@ -9,6 +9,8 @@ import zlib
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 BINARY = pathlib.Path(os.environ.get("SPANTEX_BUILD", ROOT / "build")) / "spantex"
 
+# By number, texel.hpp.
+FORMATS = "rgba8888 rgb565 argb1555 argb4444 rgb888 l8 la88 a8 palette8 palette4 bc1 bc2 bc3 etc1 etc2_rgb8 etc2_rgba8 etc2_rgb8a1".split()
 FACING = "0.912053716,-0.314742496,-140.780791,-0.331960405,-0.8647479,521.306321,0,0.000288959809,0.896575472"
 
 

@@ -11,4 +11,10 @@ struct planned_job {
   spantex::span_pixels* out;
 };
 
-using profile_type = spantex::fixed_profile<spantex::profiles::seed>;
+// Without what a program may leave out: it must not cost anything then.
+constexpr spantex::profile seed_without_options() {
+  spantex::profile p = spantex::profiles::seed;
+  p.contours = p.linear_light = false;
+  return p;
+}
+using profile_type = spantex::fixed_profile<seed_without_options()>;

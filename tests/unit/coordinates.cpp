@@ -225,6 +225,43 @@ SPANTEX_CASE(run_time_and_compile_time_profiles_give_the_same_positions) {
   check(fixed_profile<profiles::exact>{});
 }
 
+// Magnified maps: spans of small reach have large exponents, so positions are shifted down by more than 31 bits.
+template <profile P>
+static void check_magnified() {
+  const fixed_profile<P> fixed;
+  const run_time_profile dynamic{P};
+  const texture_view t = unread_view(64, 64);
+  random_source random(32);
+  int64_t far = 0;
+  for (int k = 0; k < 3000; ++k) {
+    const int64_t one = int64_t(1) << 40, most = int64_t(1) << random.between(2, 36);
+    const int64_t g = random.between(-one / 64, one / 64) * (k % 2), h = random.between(-one / 64, one / 64) * (k % 2);
+    const auto near = [&](int64_t x) { return wide(x + random.between(-most, most)); };  // u is close to 2, v to 3
+    const homography m{near(2 * g), near(2 * h), near(2 * one), near(3 * g), near(3 * h), near(3 * one), wide(g), wide(h), wide(one)};
+    plane p{};
+    if (make_plane(m, {0, 0, 32, 32}, p) != status::ok) continue;
+    const surface what{&p, &t, filter::nearest};
+    SPANTEX_ASSERT_OK(plan_span(fixed, what, 1, 1, front_mask(p, 1, 1), [&](span_job& job) {
+      const span_coefficients& c = job.coefficients;
+      far += c.exponent - P.coordinate_bits + (c.how == evaluation::affine ? 0 : P.reciprocal_bits) > 31;
+      for (span_mask rest = job.mask; rest != 0; rest &= rest - 1) {
+        const int n = __builtin_ctzll(rest);
+        const texel_position a = position_at(fixed, c, n % 8, n / 8), b = position_at(dynamic, c, n % 8, n / 8);
+        assert_true(a.u == b.u && a.v == b.v);
+      }
+      return status::ok;
+    }));
+  }
+  assert_true(far > 100 || P.coordinate_bits > 4);
+}
+
+SPANTEX_CASE(magnified_positions_are_the_same_in_short_and_in_long_words) {
+  check_magnified<profile{.coordinate_bits = 4, .offset_bits = 15, .reciprocal_bits = 14, .tolerance_bits = 16}>();
+  check_magnified<profile{.coordinate_bits = 4, .offset_bits = 12, .reciprocal_bits = 12, .tolerance_bits = 16}>();
+  check_magnified<profiles::compact>();
+  check_magnified<profiles::exact>();
+}
+
 int main() {
   const CMUnitTest tests[] = {
       cmocka_unit_test(exact_profile_is_within_a_512th_of_a_texel),
@@ -235,6 +272,7 @@ int main() {
       cmocka_unit_test(coordinates_just_inside_2_to_the_15_are_within_their_bound),
       cmocka_unit_test(beyond_2_to_the_15_the_sign_and_a_far_coordinate_remain),
       cmocka_unit_test(run_time_and_compile_time_profiles_give_the_same_positions),
+      cmocka_unit_test(magnified_positions_are_the_same_in_short_and_in_long_words),
   };
   return run_suite("coordinates", tests);
 }

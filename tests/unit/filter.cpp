@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Interpolation of one channel over every pair of weights: constants, bounds, monotonicity, and the distance from the exact rational
 // value, all in whole numbers.
-#include <tests/support.hpp>
+#include <tests/properties.hpp>
 
 using namespace spantex;
 using namespace spantex::sim;
@@ -160,25 +160,12 @@ SPANTEX_CASE(a_brighter_texel_never_darkens_the_result) {
     }
 }
 
-namespace {
-// Distance of written colours from exact values, in LSB / 2^32.
-struct rounding_error {
-  int64_t worst = 0;
-  int128 sum = 0;
-  int64_t count = 0;
-  void note(uint32_t colour, int64_t exact, int bits) {
-    const int64_t error = ((int64_t(colour) << bits) - exact) << (32 - bits);
-    if (error > worst || -error > worst) worst = error < 0 ? -error : error;
-    sum += error;
-    ++count;
-  }
-  double worst_lsb() const { return double(worst) / 4294967296.0; }
-  double mean_lsb() const { return double(sum) / double(count) / 4294967296.0; }
-  // Within 1 LSB always and 0.02 LSB in the mean.
-  bool kept() const { return worst <= int64_t(1) << 32 && 50 * magnitude_of(sum) < int128(count) << 32; }
-  void print(const char* what) const { std::printf("# %s: worst %.5f LSB, mean %.6f LSB\n", what, worst_lsb(), mean_lsb()); }
-};
-}  // namespace
+static void check(const char* profile_name, const char* what, const rounding_error& e, const profile& q) {
+  std::printf("# %s, %s: worst %.5f LSB, mean %.6f LSB\n", profile_name, what, e.worst_lsb(), e.mean_lsb());
+  assert_true(e.worst <= int64_t(1) << 32);
+  assert_true(e.is_within_bound(q));
+  assert_true(e.is_unbiased());
+}
 
 static void check_single_level(const char* name, const profile& q) {
   random_source random(26);
@@ -190,15 +177,12 @@ static void check_single_level(const char* name, const profile& q) {
       three.note(written(three_point(t, w, q), q), exact_three(t, w, q.subtexel_bits), q.subtexel_bits);
     });
   }
-  std::printf("# %s\n", name);
-  four.print("four points");
-  three.print("three points");
-  assert_true(four.kept() && three.kept());
+  check(name, "four points", four, q);
+  check(name, "three points", three, q);
 }
 
 SPANTEX_CASE(one_level_is_within_1_lsb_of_the_exact_value) {
-  check_single_level("exact", profiles::exact);
-  check_single_level("default", profiles::standard);
+  for (const named_profile& p : all_profiles) check_single_level(p.name, p.value);
 }
 
 static void check_two_levels(const char* name, const profile& q) {
@@ -215,15 +199,12 @@ static void check_two_levels(const char* name, const profile& q) {
     four.note(written(between_levels(four_point(a, w, q), four_point(b, x, q), f, q), q), exact(exact_four), 2 * s + m);
     three.note(written(between_levels(three_point(a, w, q), three_point(b, x, q), f, q), q), exact(exact_three), s + m);
   }
-  std::printf("# %s\n", name);
-  four.print("four points, two levels");
-  three.print("three points, two levels");
-  assert_true(four.kept() && three.kept());
+  check(name, "four points, two levels", four, q);
+  check(name, "three points, two levels", three, q);
 }
 
 SPANTEX_CASE(two_levels_are_within_1_lsb_of_the_exact_value) {
-  check_two_levels("exact", profiles::exact);
-  check_two_levels("default", profiles::standard);
+  for (const named_profile& p : all_profiles) check_two_levels(p.name, p.value);
 }
 
 // Every profile that is valid must keep its intermediates in 32 bits: the largest texels, every combination of widths.

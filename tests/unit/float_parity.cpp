@@ -63,7 +63,7 @@ double float_psnr_db(const setting& at, filter kind) { return psnr_db(render_flo
 // Worst of float minus engine over the filters, in dB.
 double worst_loss_db(const setting& at, profile_choice profile) {
   double worst = -INFINITY;
-  for (const filter kind : all_filters) {
+  for (const filter kind : one_sample_filters) {
     const double engine = engine_psnr_db(at, kind, profile), plain = float_psnr_db(at, kind);
     std::printf("# %s, filter %d: engine %.3f dB, float %.3f dB\n", at.drawn.name.c_str(), int(kind), engine, plain);
     worst = std::fmax(worst, plain - engine);

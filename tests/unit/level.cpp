@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 // Level of detail against the formulas it implements. The Jacobian's numerators A W - Nu G are exact (128 bits); lengths and logarithms
 // are taken in long double, which errs by less than 2^-50 of a level: nothing beside 2^-8.
+#include <sim/exact.hpp>
+#include <tests/floor_view.hpp>
 #include <tests/support.hpp>
 
 #include <cmath>
+#include <utility>
 
 using namespace spantex;
 using namespace spantex::sim;
 
 namespace {
-
-using real = long double;
 
 // W^2 times the longer column of the Jacobian, texels per pixel.
 real longer_column(const plane& p, int32_t hx, int32_t hy) {
@@ -29,6 +30,23 @@ real jacobian_level(const plane& p, int32_t hx, int32_t hy) {
 // KT88's formula anchored where set-up anchors it: twice the longer column at (ax, ay).
 real major_level(const plane& p, int32_t ax, int32_t ay, int32_t hx, int32_t hy) {
   return 1 + std::log2(longer_column(p, ax, ay)) - 2 * std::log2(real(p.w_at(hx, hy)));
+}
+
+__extension__ typedef __float128 quad;
+
+// |det| of the plane's nine coefficients: exact 2x2 minors, then 113 bits.
+real determinant(const plane& p) {
+  const auto minor = [](int64_t a, int64_t b, int64_t c, int64_t d) { return quad(int128(a) * d - int128(b) * c); };
+  const quad det = minor(p.u.x, p.u.y, p.v.x, p.v.y) * quad(p.w.c) + minor(p.u.y, p.u.c, p.v.y, p.v.c) * quad(p.w.x) +
+                   minor(p.u.c, p.u.x, p.v.c, p.v.x) * quad(p.w.y);
+  return real(det < 0 ? -det : det);
+}
+
+// The image of a circle of diameter two pixel intervals has the area of its axes' product, 4 |det J| a square pixel; divided by the major
+// axis of KT88's formula anchored at (ax, ay).
+real minor_level(const plane& p, int32_t ax, int32_t ay, int32_t hx, int32_t hy) {
+  const real axes = std::log2(16 * determinant(p)) - 3 * std::log2(real(p.w_at(hx, hy)));
+  return axes - major_level(p, ax, ay, hx, hy);
 }
 
 real limited(real level, int last) { return level < 0 ? 0 : level > last ? last : level; }
@@ -111,6 +129,20 @@ SPANTEX_CASE(default_profile_is_within_a_128th_of_a_level) {
   assert_true(s.worst <= real(1) / 128);
 }
 
+// The corners of what is_valid() allows: short mantissas with long slopes, and the reverse.
+SPANTEX_CASE(extreme_word_lengths_keep_the_bound_of_their_numbers) {
+  for (const auto& [offset, reciprocal] : {std::pair(13, 12), std::pair(31, 12), std::pair(19, 12), std::pair(15, 30), std::pair(24, 16)}) {
+    run_time_profile prof{profiles::exact};
+    prof.value.offset_bits = offset;
+    prof.value.reciprocal_bits = reciprocal;
+    const level_statistics s = measure_random(prof, 200);
+    s.print("extreme");
+    std::printf("#   %d, %d bits: bound 1/%.1f level\n", offset, reciprocal, double(error_unit) / double(level_bound(prof.value)));
+    assert_true(s.pixels > 50000);
+    assert_true(s.worst <= real(level_bound(prof.value)) / real(error_unit));
+  }
+}
+
 SPANTEX_CASE(the_bias_is_added_in_sixteenths) {
   for (const int bias : {-128, -17, 1, 40, 127}) {
     run_time_profile prof{profiles::exact};
@@ -148,6 +180,63 @@ SPANTEX_CASE(the_major_axis_formula_is_within_a_256th_of_a_level) {
   s.print("major");
   assert_true(s.pixels > 800000);
   assert_true(s.worst <= real(1) / 256);
+}
+
+SPANTEX_CASE(the_minor_axis_formula_is_within_a_256th_of_a_level) {
+  run_time_profile prof{profiles::exact};
+  prof.value.formula = level_formula::minor;
+  const texture_view t = unread_view(4096, 4096);
+  level_statistics s;
+  prof.value.level_bias = 48;  // three levels up: most of a magnified plane's minor axes would be below level 0
+  for (int k = 0; k < 3; ++k) {
+    const plane p = sample_plane(k);
+    for (int32_t sy = 0; sy < 60; ++sy)
+      for (int32_t sx = 0; sx < 80; ++sx)
+        measure_span(prof, p, t, sx, sy, [&](int32_t hx, int32_t hy) { return minor_level(p, 640, 480, hx, hy); }, s);
+  }
+  s.print("minor");
+  assert_true(s.pixels > 800000 && s.inside > 500000);
+  assert_true(s.worst <= real(1) / 256);
+}
+
+// Set-up's log2 K', on planes of every shape: 2^-16 (4 for the determinant's logarithm, 2 for half a logarithm in log2 K, its own unit).
+SPANTEX_CASE(the_minor_axis_of_random_planes_is_their_area_over_the_major_axis) {
+  random_source random(41);
+  real worst = 0;
+  int64_t checked = 0;
+  plane p{};
+  for (int k = 0; k < 200000; ++k) {
+    const int32_t x = 8 * int32_t(random.next() % 500), y = 8 * int32_t(random.next() % 500);
+    const rectangle region = k % 2 == 0 ? rectangle{0, 0, 4096, 4096} : rectangle{x, y, x + 64, y + 64};
+    if (!random_plane(random, region, p) || determinant(p) == 0 || p.w_at(p.origin_x, p.origin_y) <= 0) continue;
+    const real want = std::log2(16 * determinant(p)) - 1 - std::log2(longer_column(p, p.origin_x, p.origin_y));
+    const real error = std::fabs(real(p.minor_log2) / 65536 - want);
+    worst = error > worst ? error : worst;
+    ++checked;
+  }
+  std::printf("# %lld planes, worst %.2Lf of 2^-16\n", static_cast<long long>(checked), worst * 65536);
+  assert_true(checked > 150000);
+  assert_true(worst <= real(7) / 65536);
+}
+
+// KT88's own statement: seen by its camera with square pixels and a map as fine along U as along V, the minor axis is 2 T Delta d / W = the major
+// one times W = cos of the angle to the normal (times the ray's length): one log2 W gives both.
+SPANTEX_CASE(kt88_minor_axis_is_the_major_one_times_w) {
+  const view s = make_view(640, 640 * 3 / 4);
+  const view square{s.step_x, s.step_x, s.width_px, s.height_px};
+  for (const real pitch : {80.0L, 40.0L, 18.0L}) {
+    const kt88_plane q = make_floor(pitch, 20, 512, 1);
+    plane p{};
+    SPANTEX_ASSERT_OK(make_plane(q, square, p));
+    for (int32_t y = 1; y < 960; y += 38)
+      for (int32_t x = 1; x < 1280; x += 58) {
+        const real w = std::fabs(dot(value(q.normal, 30), ray(square, x / 2.0L, y / 2.0L)));
+        const real t = 512 * 2 * std::ldexp(real(square.step_x), -32) * std::ldexp(real(q.d), -16);
+        if (p.w_at(x, y) <= 0) continue;
+        assert_true(std::fabs(exact_minor_level(p, x, y) - std::log2(t / w)) <= 1.0L / 4096);
+        assert_true(std::fabs(exact_minor_level(p, x, y) - exact_major_level(p, x, y) - std::log2(w)) <= 1.0L / 4096);
+      }
+  }
 }
 
 // ceil(d + 1/2) - 1, found by counting up.
@@ -200,9 +289,13 @@ int main() {
   const CMUnitTest tests[] = {
       cmocka_unit_test(exact_profile_is_within_a_256th_of_a_level),
       cmocka_unit_test(default_profile_is_within_a_128th_of_a_level),
+      cmocka_unit_test(extreme_word_lengths_keep_the_bound_of_their_numbers),
       cmocka_unit_test(the_bias_is_added_in_sixteenths),
       cmocka_unit_test(spans_across_the_horizon_are_within_a_256th_of_a_level),
       cmocka_unit_test(the_major_axis_formula_is_within_a_256th_of_a_level),
+      cmocka_unit_test(the_minor_axis_formula_is_within_a_256th_of_a_level),
+      cmocka_unit_test(the_minor_axis_of_random_planes_is_their_area_over_the_major_axis),
+      cmocka_unit_test(kt88_minor_axis_is_the_major_one_times_w),
       cmocka_unit_test(the_nearest_level_follows_its_rule_for_every_level_of_detail),
       cmocka_unit_test(two_level_filters_take_the_finer_level_for_every_level_of_detail),
       cmocka_unit_test(filters_without_levels_stay_on_the_full_map),

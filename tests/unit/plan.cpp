@@ -86,6 +86,26 @@ SPANTEX_CASE(spans_equal_the_whole_map_for_large_maps) {
   check_sides(profiles::exact, photographic_map(1000, 300), wrap::mirror, wrap::clamp);
 }
 
+// Step and hat in linear light: 16-bit values by weights of 16 bits; a constant stays what it is.
+SPANTEX_CASE(areas_equal_the_whole_map_in_linear_light) {
+  const rgba8 colour{200, 7, 91, 33};
+  for (const bool constant : {false, true}) {
+    texture_view t = (constant ? constant_map(64, 64, colour) : photographic_map(64, 64)).view(wrap::repeat, wrap::mirror);
+    t.set_colours(colour_space::srgb);
+    for (int k = 0; k < sample_plane_count; ++k)
+      for (const filter kind : {filter::step, filter::hat}) {
+        const plane p = sample_plane(k);
+        const surface s{&p, &t, kind};
+        expected.reset(640, 480);
+        got.reset(640, 480);
+        draw_whole_map(with_side(profiles::exact, 32), s, windows[k], expected);
+        (void)draw_spans<8>(with_side(profiles::exact, 8), s, windows[k], got);
+        assert_same_pictures("linear light", k, kind);
+        for (const rgba8& c : got.pixels) assert_true(!constant || c == colour || c == background);
+      }
+  }
+}
+
 SPANTEX_CASE(spans_equal_the_whole_map_in_other_word_lengths) {
   profile narrow = profiles::compact;
   narrow.overflow = overflow_policy::split;
@@ -95,6 +115,8 @@ SPANTEX_CASE(spans_equal_the_whole_map_in_other_word_lengths) {
   major.formula = level_formula::major;
   major.level_bias = -20;
   major.position_rounding = rounding::floor;
+  check_sides(major, photographic_map(64, 64), wrap::repeat, wrap::repeat);
+  major.formula = level_formula::minor;
   check_sides(major, photographic_map(64, 64), wrap::repeat, wrap::repeat);
 }
 
@@ -106,7 +128,7 @@ static void check_random_planes(const profile& q, int planes, uint64_t seed) {
   for (int n = 0; n < planes; ++n) {
     plane p{};
     if (!random_plane(random, area, p)) continue;
-    const filter kind = all_filters[n % 6];
+    const filter kind = all_filters[size_t(n) % std::size(all_filters)];
     const surface s{&p, &t, kind};
     expected.reset(64, 48);
     draw_whole_map(with_side(q, 32), s, area, expected);
@@ -241,15 +263,22 @@ static void check_jobs() {
         SPANTEX_ASSERT_OK(plan_span(prof, s, sx, sy, mask, [&](span_job& job) {
           const span_coefficients& c = job.coefficients;
           assert_true(job.mask != 0 && (job.mask & ~mask) == 0 && (seen & job.mask) == 0);
-          seen |= job.mask;
+          assert_true(job.completes || c.axis.partial);
+          if (job.completes) seen |= job.mask;
           const auto holds = [](const texel_box& b, const section& at, int side) {
             return b.u0 >= at.origin_u && b.v0 >= at.origin_v && b.u1 < at.origin_u + side && b.v1 < at.origin_v + side;
           };
           assert_true(holds(job.fine, c.fine, P.fine_side));
           assert_true(!c.two_levels || (holds(job.coarse, c.coarse, P.fine_side / 2) && c.coarse.level == c.fine.level + 1));
           assert_true(c.fine.level <= t.last_level());
-          for (span_mask m = job.mask; m != 0 && !c.corrects; m &= m - 1) {
+          for (span_mask m = job.mask; m != 0 && !c.corrects && !c.axis.partial; m &= m - 1) {
             const int b = __builtin_ctzll(m), neighbour = kind == filter::nearest ? 0 : 1;
+            if (uses_area(kind)) {
+              const area_window w = area_window_at(prof, c, b % 8, b / 8, c.fine);
+              assert_true(w.u >= job.fine.u0 && w.v >= job.fine.v0 && w.u + w.columns - 1 <= job.fine.u1 && w.v + w.rows - 1 <= job.fine.v1);
+              assert_true(w.columns >= 1 && w.columns <= P.fine_side && w.rows >= 1 && w.rows <= P.fine_side);
+              continue;
+            }
             const snapped_position at = snap(position_at(prof, c, b % 8, b / 8), c.fine, kind, P);
             assert_true(at.u >= job.fine.u0 && at.v >= job.fine.v0 && at.u + neighbour <= job.fine.u1 && at.v + neighbour <= job.fine.v1);
           }
@@ -321,6 +350,7 @@ int main() {
       cmocka_unit_test(spans_equal_the_whole_map_for_maps_of_other_sizes),
       cmocka_unit_test(spans_equal_the_whole_map_for_maps_one_texel_wide),
       cmocka_unit_test(spans_equal_the_whole_map_for_large_maps),
+      cmocka_unit_test(areas_equal_the_whole_map_in_linear_light),
       cmocka_unit_test(spans_equal_the_whole_map_in_other_word_lengths),
       cmocka_unit_test(spans_equal_the_whole_map_on_random_planes),
       cmocka_unit_test(spans_equal_the_whole_map_where_rounding_is_coarse),

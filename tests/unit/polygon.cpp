@@ -306,6 +306,18 @@ SPANTEX_CASE(the_nearer_polygon_wins_in_either_order) {
   }
 }
 
+// A pixel is visible if its depth exceeds the stored one: of two polygons at the same place the first stays.
+SPANTEX_CASE(the_first_polygon_stays_where_depths_are_equal) {
+  const texture_view first = constant_map(8, 8, red).view(wrap::repeat, wrap::repeat);
+  const texture_view second = constant_map(8, 8, blue).view(wrap::repeat, wrap::repeat);
+  polygon p{};
+  assert_true(make_view_quad({120, -70, 1000, 2000}, p));
+  clear_scene();
+  draw_quad(p, first);
+  draw_quad(p, second);
+  for (const rgba8& c : scene.pixels) assert_true(c == red);
+}
+
 SPANTEX_CASE(intersecting_polygons_part_along_their_line) {
   const texture_view map_a = constant_map(8, 8, red).view(wrap::repeat, wrap::repeat);
   const texture_view map_b = constant_map(8, 8, blue).view(wrap::repeat, wrap::repeat);
@@ -362,6 +374,7 @@ int main() {
       cmocka_unit_test(depth_is_near_over_z),
       cmocka_unit_test(depth_of_a_plane_parallel_to_the_screen_is_exact),
       cmocka_unit_test(the_nearer_polygon_wins_in_either_order),
+      cmocka_unit_test(the_first_polygon_stays_where_depths_are_equal),
       cmocka_unit_test(intersecting_polygons_part_along_their_line),
   };
   return run_suite("polygon", tests);

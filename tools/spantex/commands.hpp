@@ -13,6 +13,8 @@ namespace spantex::tool {
 void add_plane_command(CLI::App& app);
 void add_render_command(CLI::App& app);
 void add_compare_command(CLI::App& app);
+void add_texture_command(CLI::App& app);
+void add_prefilters_command(CLI::App& app);
 void add_trace_command(CLI::App& app);
 void add_stress_command(CLI::App& app);
 void add_demo_command(CLI::App& app);

@@ -1,25 +1,35 @@
 // SPDX-License-Identifier: Apache-2.0
-// spantex compare: how far two pictures are apart.
+// spantex compare: how far two pictures are apart, or one table of methods on scenes, each against the reference.
 #include <stdio.h>
 
+#include <filesystem>
 #include <memory>
+
+#include <nlohmann/json.hpp>
 
 #include <sim/quality.hpp>
 #include "commands.hpp"
+#include "methods.hpp"
 #include "options.hpp"
+#include "progress.hpp"
 
 namespace spantex::tool {
 namespace {
 
-struct compare_options { std::string a, b, diff; };
+struct compare_options {
+  std::vector<std::string> pictures, filters, profiles{"default"};
+  std::string diff, scenes, out, json;
+  drawing_options drawing;
+  subject_options subject;
+};
 
 std::string size_text(const sim::image& p) { return std::to_string(p.width_px) + "x" + std::to_string(p.height_px); }
 
-void run(const compare_options& o) {
+void compare_pictures(const compare_options& o) {
   const sim::output_file diff = o.diff.empty() ? sim::output_file() : sim::output_file(o.diff);
-  const sim::image a = sim::load_image(o.a), b = sim::load_image(o.b);
+  const sim::image a = sim::load_image(o.pictures[0]), b = sim::load_image(o.pictures[1]);
   if (a.width_px != b.width_px || a.height_px != b.height_px)
-    throw sim::input_error(o.b + ": picture is " + size_text(b) + ", but " + o.a + " is " + size_text(a));
+    throw sim::input_error(o.pictures[1] + ": picture is " + size_text(b) + ", but " + o.pictures[0] + " is " + size_text(a));
   const sim::difference d = sim::compare(a, b);
   if (diff.wanted()) diff.write(sim::encode_png(sim::difference_picture(a, b)));
   printf("PSNR              %.2f dB\n", sim::psnr_db(a, b));
@@ -28,14 +38,116 @@ void run(const compare_options& o) {
   printf("differing pixels  %llu of %zu\n", static_cast<unsigned long long>(d.differing_px), a.pixels.size());
 }
 
+template <class T, size_t N>
+std::vector<T> values_of(const std::array<sim::named<T>, N>& names, const std::vector<std::string>& wanted, const char* what) {
+  std::vector<T> values;
+  if (wanted.size() == 1 && wanted[0] == "all") {
+    for (const auto& n : names) values.push_back(n.value);
+    return values;
+  }
+  for (const std::string& w : wanted) values.push_back(value_of(names, w, what));
+  return values;
+}
+
+nlohmann::ordered_json to_json(const judged& j) {
+  return {{"scene", j.scene},
+          {"method", label_of(j.how)},
+          {"profile", std::string(sim::name_of(sim::profile_names, j.how.profile))},
+          {"psnr_db", j.psnr_db},
+          {"ssim", j.ssim},
+          {"worst_error", j.worst},
+          {"ns_per_pixel", j.ns_per_pixel},
+          {"texel_reads_per_pixel", j.texel_reads},
+          {"words_per_pixel", j.words},
+          {"cycles", j.machine.total_cycles},
+          {"stalls", j.machine.stall_cycles}};
+}
+
+// The filters in screen space, and RD16's object space with trilinear samples.
+constexpr const char* object_space = "object-space";
+
+std::vector<method> methods_of(const std::vector<std::string>& names) {
+  const bool all = names.size() == 1 && names[0] == "all";
+  std::vector<method> methods;
+  std::vector<std::string> filters;
+  for (const std::string& n : names)
+    if (n != object_space) filters.push_back(n);
+  for (const filter kind : values_of(sim::filter_names, filters, "filter")) methods.push_back({kind, {}});
+  if (all || filters.size() != names.size()) methods.push_back({filter::trilinear, {}, sim::sampling_space::object});
+  return methods;
+}
+
+void compare_methods(const compare_options& o) {
+  o.drawing.resolve();
+  const std::vector<method> methods = methods_of(o.filters);
+  const std::vector<sim::profile_choice> profiles = values_of(sim::profile_names, o.profiles, "profile");
+  check_outputs_differ({{"--out", o.out}, {"--json", o.json}});
+  const sim::output_file json = o.json.empty() ? sim::output_file() : sim::output_file(o.json);
+  std::vector<sim::scene> scenes;
+  for (const std::string& name : split(o.scenes, ',')) {
+    subject_options subject = o.subject;
+    subject.subject = name;
+    scenes.push_back(subject_options::loaded(subject, o.drawing).at(0));
+    if (scenes.back().name.empty() || !sim::is_scene_name(name)) scenes.back().name = std::filesystem::path(name).stem().string();
+  }
+  if (!o.out.empty()) {
+    std::error_code error;
+    std::filesystem::create_directories(o.out, error);
+    if (error) throw sim::input_error(o.out + ": cannot make folder: " + error.message());
+  }
+  const auto save = [&](const std::string& name, const sim::image& picture) {
+    if (!o.out.empty()) sim::output_file(o.out + "/" + name + ".png").write(sim::encode_png(picture));
+  };
+  progress_bar bar("compare", int(scenes.size() * (methods.size() * profiles.size() + 1)));
+  nlohmann::ordered_json all = nlohmann::ordered_json::array();
+  printf("%s\n", table_heading().c_str());
+  for (const sim::scene& s : scenes) {
+    const bench on(s, o.drawing.resolve().background, o.drawing.repeat);
+    save(s.name + "-reference", on.reference_picture());
+    bar.advance(1);
+    for (const sim::profile_choice profile : profiles)
+      for (method m : methods) {
+        m.profile = profile;
+        const judged j = on.judge(m);
+        printf("%s\n", table_line(j).c_str());
+        save(s.name + "-" + name_of(j.how), j.picture);
+        all.push_back(to_json(j));
+        bar.advance(1);
+      }
+  }
+  if (json.wanted()) json.write(all.dump(2) + "\n");
+}
+
+void run(const compare_options& o) {
+  if (!o.scenes.empty()) {
+    if (!o.pictures.empty()) throw sim::input_error("--scenes: compares methods; pictures '" + joined(o.pictures) + "' have no place there");
+    compare_methods(o);
+  } else {
+    if (o.pictures.size() != 2) throw sim::input_error("compare: two pictures are needed, or --scenes");
+    compare_pictures(o);
+  }
+}
+
 }  // namespace
 
 void add_compare_command(CLI::App& app) {
   const auto o = std::make_shared<compare_options>();
-  CLI::App& sub = *app.add_subcommand("compare", "PSNR, SSIM, worst error and differing pixels of two pictures");
-  sub.add_option("A", o->a, "a picture")->required();
-  sub.add_option("B", o->b, "another of the same size")->required();
-  sub.add_option("--diff", o->diff, "absolute differences, PNG");
+  CLI::App& sub = *app.add_subcommand("compare", "two pictures: PSNR, SSIM, worst error, differing pixels; or methods on scenes, one table");
+  sub.add_option("pictures", o->pictures, "two pictures of the same size")->expected(0, 2)->type_name("A B");
+  CLI::Option* const diff = sub.add_option("--diff", o->diff, "of two pictures: absolute differences, PNG");
+  CLI::Option* const scenes =
+      sub.add_option("--scenes", o->scenes, "scenes or models, separated by commas: every filter and profile on each of them")->excludes(diff);
+  sub.add_option("--filters", o->filters, list_of(sim::filter_names) + ", object-space (RD16); separated by commas, or all")->delimiter(',')->needs(scenes)
+      ->default_val(std::vector<std::string>{"all"});
+  sub.add_option("--profiles", o->profiles, list_of(sim::profile_names) + "; or all")->delimiter(',')->needs(scenes)->capture_default_str();
+  sub.add_option("--texture", o->subject.texture, "map of planes")->needs(scenes);
+  sub.add_option("--size", o->subject.size, "picture size, WxH")->needs(scenes)->capture_default_str();
+  sub.add_option("--prefilter", o->drawing.prefilter, list_of(sim::prefilter_names))->needs(scenes)->capture_default_str();
+  sub.add_option("--repeat", o->drawing.repeat, "time so often; the median counts")->needs(scenes)->capture_default_str();
+  sub.add_option("--out", o->out, "folder for the pictures and the references; made if missing")->needs(scenes);
+  sub.add_option("--json", o->json, "the table as JSON")->needs(scenes);
+  sub.footer("Table: against the 16x16 supersampled reference; texels and words (64 bits, into local memory) read per pixel; stalls: cycles per pixel that the "
+             "simulated pipeline waits for loading; ns per pixel of engine direct on this machine, one thread.");
   sub.callback([o] { run(*o); });
 }
 

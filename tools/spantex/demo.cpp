@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// spantex demo: the three planes with a photographed map, KT88's figures and two models with their own textures, and one table:
+// spantex demo: the three planes with a photographed map, KT88's figures, GCK09's chessboard and two models with their own textures, and one table:
 // quality against the reference, and the cost on the simulated engine. Words, stalls and bank conflicts are engine sim's; the time is
 // engine direct's, median of three, on this machine. Both engines must give the same bytes.
 #include <stdio.h>
@@ -13,8 +13,9 @@
 #include <sim/figures.hpp>
 #include <sim/model.hpp>
 #include <sim/quality.hpp>
-#include <sim/reference.hpp>
+#include <sim/screen_filter.hpp>
 #include "commands.hpp"
+#include "methods.hpp"
 #include "options.hpp"
 #include "progress.hpp"
 
@@ -27,15 +28,6 @@ struct demo_options {
   std::string out;
   std::string texture = "/usr/lib/python3/dist-packages/skimage/data/brick.png";
   std::string models = "/usr/share/assimp/models";
-};
-
-struct variant { filter kind; profile_choice profile; };
-
-struct row {
-  std::string picture;
-  variant how;
-  double psnr_db;
-  sim::draw_result result;
 };
 
 constexpr rgba8 background{24, 28, 36, 255};
@@ -62,46 +54,37 @@ std::vector<sim::scene> scenes(const demo_options& o) {
   return all;
 }
 
-std::vector<variant> variants_of(const sim::scene& s) {
+std::vector<method> methods_of(const sim::scene& s) {
   using enum profile_choice;
-  std::vector<variant> all;
+  std::vector<method> all;
   if (sim::named_plane(s.name)) {
-    for (const filter kind : {filter::bilinear, filter::trilinear})
+    for (const filter kind : {filter::bilinear, filter::trilinear, filter::aniso})
       for (const profile_choice p : {exact, standard, compact, seed}) all.push_back({kind, p});
+    all.push_back({filter::squares, standard});
+    all.push_back({filter::trilinear, standard, sim::sampling_space::object});
     return all;
   }
-  return {{filter::trilinear, exact}, {filter::trilinear3, standard}, {filter::trilinear, seed}};
+  if (s.name == "contour") return {{filter::contour, exact}, {filter::contour, standard}, {filter::contour, seed}};
+  if (s.name == "chessboard") return {{filter::trilinear, exact}, {filter::aniso, standard}, {filter::step, standard}, {filter::hat, standard}};
+  return {{filter::aniso, standard}, {filter::trilinear, exact}, {filter::trilinear3, standard}, {filter::trilinear, seed}};
 }
 
-std::string label(const variant& v) {
-  return std::string(sim::name_of(sim::filter_names, v.kind)) + "-" + std::string(sim::name_of(sim::profile_names, v.profile));
-}
-
-row measure(const sim::scene& s, const variant& v, const sim::ideal_image& reference) {
-  sim::draw_options o;
-  o.kind = v.kind;
-  o.profile = v.profile;
-  o.background = background;
-  o.engine = sim::engine_choice::simulated;
-  sim::draw_result r = sim::draw(s, o);
-  o.engine = sim::engine_choice::direct;
-  o.repeat = 3;
-  const sim::draw_result direct = sim::draw(s, o);
-  if (direct.picture.pixels != r.picture.pixels) throw std::runtime_error(s.name + " " + label(v) + ": engines direct and sim differ");
-  r.ns_per_pixel = direct.ns_per_pixel;
-  const double psnr_db = sim::psnr_db(r.picture, reference);
-  return {s.name, v, psnr_db, std::move(r)};
-}
-
-void print_table(const std::vector<row>& rows) {
-  printf("%-8s  %-10s  %-7s  %7s  %9s  %9s  %9s  %8s\n", "picture", "filter", "profile", "PSNR dB", "words", "stalls", "conflicts",
-         "ns/pixel");
-  const auto count = [](uint64_t n) { return static_cast<unsigned long long>(n); };
-  for (const row& r : rows) {
-    const std::string kind(sim::name_of(sim::filter_names, r.how.kind)), profile(sim::name_of(sim::profile_names, r.how.profile));
-    const sim::counters& m = r.result.machine;
-    printf("%-8s  %-10s  %-7s  %7.2f  %9llu  %9llu  %9llu  %8.1f\n", r.picture.c_str(), kind.c_str(), profile.c_str(), r.psnr_db,
-           count(m.words_loaded), count(m.stall_cycles), count(m.bank_conflicts), r.result.ns_per_pixel);
+// GCK09's four pictures: both filters on the screen and on the map, against a box of 48x48 samples of the board.
+void chessboard(const sim::scene& s, const std::string& folder) {
+  const auto board = [](double u, double v) { return sim::chessboard_at(u, v, sim::chessboard_texels); };
+  const auto convolved = [&](sim::screen_kernel kernel, int samples) {
+    return sim::filter_on_screen(s.items[0].ideal, s.size, board, kernel, sim::kernel_plane::screen, samples, background, sim::hardware_threads());
+  };
+  const sim::ideal_image judge = convolved(sim::screen_kernel::step, 48);
+  printf("\nchessboard, PSNR dB against 48x48 samples of the board   on the screen   on the map\n");
+  for (const auto& [kernel, kind] : {std::pair{sim::screen_kernel::step, filter::step}, {sim::screen_kernel::hat, filter::hat}}) {
+    const sim::image original = sim::rounded(convolved(kernel, 32));
+    sim::draw_options how;
+    how.kind = kind;
+    how.background = background;
+    const std::string name(sim::name_of(sim::filter_names, kind));
+    printf("  %-52s %13.2f %12.2f\n", name.c_str(), sim::psnr_db(original, judge), sim::psnr_db(sim::draw(s, how).picture, judge));
+    sim::output_file(folder + "/chessboard-" + name + "-screen.png").write(sim::encode_png(original));
   }
 }
 
@@ -113,22 +96,25 @@ void run(const demo_options& o) {
   if (error) throw sim::input_error(o.out + ": cannot make folder: " + error.message());
   const std::vector<sim::scene> all = scenes(o);
   int total = 0;
-  for (const sim::scene& s : all) total += int(variants_of(s).size()) + 1;
-  std::vector<row> rows;
+  for (const sim::scene& s : all) total += int(methods_of(s).size()) + 1;
+  std::vector<judged> rows;
   {
     progress_bar bar("demo", total);
     for (const sim::scene& s : all) {
-      const sim::ideal_image reference = sim::render_reference(s, background, sim::hardware_threads());
+      const bench on(s, background, 3);
       bar.advance(1);
-      for (const variant& v : variants_of(s)) {
-        rows.push_back(measure(s, v, reference));
-        sim::output_file(o.out + "/" + s.name + "-" + label(v) + ".png").write(sim::encode_png(rows.back().result.picture));
-        rows.back().result.picture = {};
+      for (const method& m : methods_of(s)) {
+        rows.push_back(on.judge(m));
+        sim::output_file(o.out + "/" + s.name + "-" + name_of(m) + ".png").write(sim::encode_png(rows.back().picture));
+        rows.back().picture = {};
         bar.advance(1);
       }
     }
   }
-  print_table(rows);
+  printf("%s\n", table_heading().c_str());
+  for (const judged& r : rows) printf("%s\n", table_line(r).c_str());
+  for (const sim::scene& s : all)
+    if (s.name == "chessboard") chessboard(s, o.out);
 }
 
 }  // namespace

@@ -21,6 +21,10 @@ std::string stats_json(const sim::draw_result& r, const sim::draw_options& o, st
   j["profile"] = std::string(sim::name_of(sim::profile_names, o.profile));
   j["filter"] = std::string(sim::name_of(sim::filter_names, o.kind));
   j["engine"] = std::string(sim::name_of(sim::engine_names, o.engine));
+  j["format"] = std::string(sim::name_of(sim::format_names, r.format));
+  j["words_uploaded"] = r.words_uploaded;
+  j["alpha"] = std::string(sim::name_of(sim::alpha_names, o.how.alpha));
+  j["srgb"] = o.colours == colour_space::srgb;
   j["threads"] = o.threads;
   j["repeat"] = o.repeat;
   j["width"] = r.picture.width_px;
@@ -32,9 +36,12 @@ std::string stats_json(const sim::draw_result& r, const sim::draw_options& o, st
   j["corrected_jobs"] = w.corrected_jobs;
   j["pixels"] = w.pixels;
   j["words_loaded"] = w.words_loaded;
+  j["words_read"] = w.words_read;
   j["loads_skipped"] = w.loads_skipped;
   j["divides"] = w.divides;
   j["second_levels_skipped"] = w.second_levels_skipped;
+  j["pixels_left"] = w.pixels_left;
+  j["pixels_blended"] = w.pixels_blended;
   if (o.engine == sim::engine_choice::simulated) {
     const sim::counters& m = r.machine;
     j["machines"] = r.machines;
@@ -46,6 +53,7 @@ std::string stats_json(const sim::draw_result& r, const sim::draw_options& o, st
     j["hidden_load_cycles"] = m.hidden_load_cycles;
     j["compute_cycles"] = m.compute_cycles;
     j["fetches"] = m.fetches;
+    j["texel_reads"] = m.texel_reads;
   }
   // Equal pictures have no finite PSNR: null.
   if (psnr_db) j["psnr_db"] = std::isfinite(*psnr_db) ? nlohmann::ordered_json(*psnr_db) : nlohmann::ordered_json();

@@ -36,6 +36,8 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   spantex::tool::add_plane_command(app);
   spantex::tool::add_render_command(app);
+  spantex::tool::add_texture_command(app);
+  spantex::tool::add_prefilters_command(app);
   spantex::tool::add_compare_command(app);
   spantex::tool::add_trace_command(app);
   spantex::tool::add_stress_command(app);

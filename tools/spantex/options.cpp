@@ -10,21 +10,12 @@
 #include <utility>
 
 #include <sim/model.hpp>
-#include <sim/pattern.hpp>
+#include <sim/pack.hpp>
 
 namespace spantex::tool {
 namespace {
 
 using sim::input_error;
-
-std::vector<std::string> split(const std::string& text, char separator) {
-  std::vector<std::string> parts(1);
-  for (const char c : text) {
-    if (c == separator) parts.emplace_back();
-    else parts.back() += c;
-  }
-  return parts;
-}
 
 bool all_digits(const std::string& s) {
   return !s.empty() && s.size() <= 9 && std::all_of(s.begin(), s.end(), [](char c) { return c >= '0' && c <= '9'; });
@@ -87,6 +78,15 @@ std::string joined(const std::vector<std::string>& words) {
   return text;
 }
 
+std::vector<std::string> split(const std::string& text, char separator) {
+  std::vector<std::string> parts(1);
+  for (const char c : text) {
+    if (c == separator) parts.emplace_back();
+    else parts.back() += c;
+  }
+  return parts;
+}
+
 void check_outputs_differ(const std::vector<named_output>& outputs) {
   for (size_t k = 0; k < outputs.size(); ++k)
     for (size_t n = 0; n < k; ++n)
@@ -147,14 +147,55 @@ sim::matrix parse_matrix(const std::string& text, sim::screen_size size) {
 
 void drawing_options::add_to(CLI::App& app, bool with_engine) {
   app.add_option("--filter", filter, list_of(sim::filter_names))->capture_default_str();
+  app.add_option("--space", space, "screen: spans of the screen; object: RD16, a grid on each polygon, spread over the pixels")->capture_default_str();
   app.add_option("--profile", profile, list_of(sim::profile_names))->capture_default_str();
   wrap_given_ = app.add_option("--wrap", wrap, list_of(sim::wrap_names))->capture_default_str();
-  app.add_option("--prefilter", prefilter, list_of(sim::prefilter_names))->capture_default_str();
+  prefilter_given_ = app.add_option("--prefilter", prefilter, list_of(sim::prefilter_names))->capture_default_str();
+  format_given_ = app.add_option("--format", format, "texels in global texture memory: " + list_of(sim::format_names))->capture_default_str();
   app.add_option("--background", background, "RRGGBB where nothing is drawn")->capture_default_str();
+  app.add_option("--alpha", alpha, "opaque, cut-out[:T] (alpha below T, 128, is left out), blended, premultiplied")->capture_default_str();
+  app.add_flag("--srgb", srgb, "colours of maps are sRGB codes: filter in linear light");
+  app.add_option("--outline", outline, "filter contour: width of its line in pixels, to 1/16; 0 fills the inside");
+  app.add_option("--threshold", threshold, "filter contour: the field (alpha) where the contour runs, 0..255");
+  app.add_option("--field-scale", field_scale, "filter contour: field units per texel across the contour, 1/16..255");
   if (!with_engine) return;
   app.add_option("--engine", engine, list_of(sim::engine_names))->capture_default_str();
   app.add_option("--threads", threads, "threads, each with its own engine")->capture_default_str();
   app.add_option("--repeat", repeat, "draw so often; times are medians")->capture_default_str();
+}
+
+shading parse_alpha(const std::string& text) {
+  const std::vector<std::string> parts = split(text, ':');
+  shading how;
+  how.alpha = value_of(sim::alpha_names, parts[0], "alpha mode");
+  if (parts.size() == 1) return how;
+  if (how.alpha != alpha_mode::cut_out || parts.size() > 2) throw input_error("--alpha: '" + text + "': only cut-out takes a threshold, cut-out:T");
+  if (!all_digits(parts[1]) || atoi(parts[1].c_str()) > 255) throw input_error("--alpha: '" + text + "': threshold outside 0..255");
+  how.threshold = uint8_t(atoi(parts[1].c_str()));
+  return how;
+}
+
+// A number within limits, in 1/parts, to nearest.
+int parse_parts(const std::string& text, const char* option, double low, double high, int parts) {
+  const double value = parse_number(text, option);
+  if (!(value >= low && value <= high)) throw input_error(std::string(option) + ": '" + text + "' is outside its range");
+  return int(lround(value * parts));
+}
+
+void drawing_options::parse_contour(sim::draw_options& o) const {
+  const std::pair<const char*, bool> given[] = {{"--outline", outline.has_value()}, {"--threshold", threshold.has_value()}, {"--field-scale", field_scale.has_value()}};
+  for (const auto& [option, is_given] : given)
+    if (is_given && o.kind != filter::contour) throw input_error(std::string(option) + ": only filter contour has one");
+  if (outline) o.outline = uint8_t(parse_parts(*outline, "--outline", 0, 255 / 16.0, 16));
+  if (!threshold && !field_scale) return;
+  o.contour.emplace();
+  if (threshold) o.contour->threshold = uint16_t(parse_parts(*threshold, "--threshold", 0, 255, 256));
+  if (field_scale) o.contour->scale = uint16_t(parse_parts(*field_scale, "--field-scale", 1 / 16.0, 255, 256));
+}
+
+void refuse_reference(const sim::draw_options& o) {
+  if (o.how.alpha != alpha_mode::opaque || o.colours != colour_space::coded || o.kind == filter::contour)
+    throw input_error("--psnr: the reference is opaque and filters coded colours: not with --alpha, --srgb or filter contour");
 }
 
 sim::draw_options drawing_options::resolve() const {
@@ -163,21 +204,44 @@ sim::draw_options drawing_options::resolve() const {
   if (repeat < 1 || repeat > most_repeats) throw input_error("--repeat: outside 1.." + std::to_string(most_repeats));
   wrap_mode();
   level_filter();
+  texels();
   sim::draw_options o;
   o.profile = value_of(sim::profile_names, profile, "profile");
   o.engine = value_of(sim::engine_names, engine, "engine");
   o.kind = value_of(sim::filter_names, filter, "filter");
+  o.space = value_of(sim::space_names, space, "space");
+  if (o.space == sim::sampling_space::object) {
+    if (o.engine != sim::engine_choice::direct) throw input_error("--space object: runs on engine direct only");
+    if (threads != 1) throw input_error("--space object: runs on one thread only");
+    if (uses_footprint(o.kind) || uses_area(o.kind)) throw input_error("--space object: filter " + filter + " has a footprint of its own; take one without");
+  }
   o.background = parse_colour(background);
+  o.how = parse_alpha(alpha);
+  o.colours = srgb ? colour_space::srgb : colour_space::coded;
+  parse_contour(o);
+  const bool plain = o.how.alpha == alpha_mode::opaque && !srgb && o.kind != filter::contour;
+  if (o.space == sim::sampling_space::object && !plain)
+    throw input_error("--space object: draws opaque, coded colours: not with --alpha, --srgb or filter contour");
   o.threads = threads;
   o.repeat = repeat;
   o.single_half = single_half;
   return o;
 }
 
+sim::texture_map load_map(const std::string& path, const drawing_options& d) {
+  sim::bytes data = sim::read_file(path);
+  if (!sim::is_pack(data) && !path.ends_with(".stx"))
+    return {sim::decode_image(data.data(), data.size(), path), d.level_filter(), d.wrap_mode(), d.wrap_mode(), d.texels()};
+  if (d.wrap_given()) throw input_error("--wrap: " + path + " has its own wrap modes; give them when it is compiled");
+  if (d.prefilter_given()) throw input_error("--prefilter: " + path + " has its levels; give it when it is compiled");
+  if (d.format_given()) throw input_error("--format: " + path + " has its format; give it when it is compiled");
+  return {std::move(data), path};
+}
+
 void subject_options::add_to(CLI::App& app, bool with_matrix) {
   const std::string scenes = "a scene (" + joined(sim::scene_names()) + ") or a model file of any format that assimp reads";
   CLI::Option* const what = app.add_option("subject", subject, scenes)->type_name("MODEL|SCENE");
-  app.add_option("--texture", texture, "map of a plane, instead of a built-in one");
+  app.add_option("--texture", texture, "map of a plane, a picture or a texture pack, instead of a built-in one");
   app.add_option("--size", size, "picture size, WxH")->capture_default_str();
   app.add_option("--camera", camera, "yaw,pitch,distance: degrees, degrees, radii of the model (0: all of it in the picture)");
   app.add_option("--eye", eye, "x,y,z of the camera, with --target");
@@ -201,25 +265,27 @@ subject_options::loaded::loaded(const subject_options& o, const drawing_options&
   request_.size = parse_size(o.size);
   request_.levels = d.level_filter();
   request_.wrap_u = request_.wrap_v = d.wrap_mode();
+  request_.format = d.texels();
   if (o.matrix.empty() && o.subject.empty()) throw input_error("nothing to draw: name a scene or model, or give --matrix");
   o.check_consistent();
   if (!o.matrix.empty()) matrix_ = parse_matrix(o.matrix, request_.size);
-  if (!o.texture.empty()) request_.texture = sim::load_image(o.texture);
+  if (!o.texture.empty()) {
+    sim::map_list maps;
+    maps.push_back(load_map(o.texture, d));
+    request_.maps = std::make_shared<const sim::map_list>(std::move(maps));
+  }
   if (matrix_ || sim::is_scene_name(name_)) return;
   std::error_code ignored;
   if (!std::filesystem::exists(name_, ignored))
     throw input_error(name_ + ": no such model file or scene (known scenes: " + joined(sim::scene_names()) + ")");
-  sim::model_options wanted{request_.levels, {}, {}};
+  sim::model_options wanted{request_.levels, {}, {}, request_.format};
   if (d.wrap_given()) wanted.wrap_u = wanted.wrap_v = request_.wrap_u;
   world_ = sim::load_model(name_, wanted);
 }
 
 sim::scene subject_options::loaded::at(double turn_degrees) const {
   if (matrix_) {
-    sim::map_list maps;
-    const sim::image picture = request_.texture ? *request_.texture : sim::photographic_pattern(512, 1);
-    maps.emplace_back(picture, request_.levels, request_.wrap_u, request_.wrap_v);
-    sim::scene s{"plane", request_.size, std::make_shared<const sim::map_list>(std::move(maps)), {}};
+    sim::scene s{"plane", request_.size, sim::plane_maps(request_), {}};
     sim::add_plane(s, *matrix_, 0);
     return s;
   }

@@ -32,11 +32,15 @@ T value_of(const std::array<sim::named<T>, N>& names, const std::string& name, c
 }
 
 std::string joined(const std::vector<std::string>& words);
+std::vector<std::string> split(const std::string& text, char separator);
 
 double parse_number(const std::string& text, const std::string& what);
 std::vector<double> parse_numbers(const std::string& text, size_t count, const std::string& what);
 sim::screen_size parse_size(const std::string& text);
 rgba8 parse_colour(const std::string& text);
+shading parse_alpha(const std::string& text);
+// What --psnr has no reference for.
+void refuse_reference(const sim::draw_options& o);
 
 // Nine numbers or the name of one of the three planes (for 640x480). Refused, with the reason: not nine numbers, not finite, singular, or
 // coordinates beyond what the engine takes (2^15 texels) at every pixel in front of the viewer.
@@ -49,21 +53,30 @@ void check_outputs_differ(const std::vector<named_output>& outputs);
 
 // How pictures are drawn.
 struct drawing_options {
-  std::string filter = "trilinear", profile = "default", engine = "direct", wrap = "repeat", prefilter = "box", background = "000000";
+  std::string space = "screen", filter = "trilinear", profile = "default", engine = "direct", wrap = "repeat", prefilter = "box", format = "rgba8888", background = "000000";
   int threads = 1, repeat = 1;
-  bool single_half = false;
+  bool single_half = false, srgb = false;
+  std::string alpha = "opaque";
+  std::optional<std::string> outline, threshold, field_scale;
 
   void add_to(CLI::App& app, bool with_engine);
   sim::draw_options resolve() const;
+  void parse_contour(sim::draw_options& o) const;
   spantex::wrap wrap_mode() const { return value_of(sim::wrap_names, wrap, "wrap mode"); }
+  texel_format texels() const { return value_of(sim::format_names, format, "format"); }
   sim::prefilter level_filter() const { return value_of(sim::prefilter_names, prefilter, "prefilter"); }
 
  private:
-  CLI::Option* wrap_given_ = nullptr;
+  CLI::Option *wrap_given_ = nullptr, *prefilter_given_ = nullptr, *format_given_ = nullptr;
 
  public:
   bool wrap_given() const { return wrap_given_ != nullptr && wrap_given_->count() > 0; }
+  bool format_given() const { return format_given_ != nullptr && format_given_->count() > 0; }
+  bool prefilter_given() const { return prefilter_given_ != nullptr && prefilter_given_->count() > 0; }
 };
+
+// The map in a file: a picture, whose levels are made here, or a texture pack, which has its own and refuses --wrap, --prefilter and --format.
+sim::texture_map load_map(const std::string& path, const drawing_options& d);
 
 // What is drawn: a model, a scene by name, or (matrix given) a plane.
 struct subject_options {

@@ -20,13 +20,14 @@ struct plane_options {
 
 void run(const plane_options& o) {
   sim::draw_options drawing = o.drawing.resolve();
+  if (o.psnr) refuse_reference(drawing);
   const sim::screen_size size = parse_size(o.size);
   const sim::matrix m = parse_matrix(o.matrix, size);
   check_outputs_differ({{"--out", o.out}, {"--stats", o.stats}});
   const sim::output_file out(o.out);
   const sim::output_file stats = o.stats.empty() ? sim::output_file() : sim::output_file(o.stats);
   sim::map_list maps;
-  maps.emplace_back(sim::load_image(o.texture), o.drawing.level_filter(), o.drawing.wrap_mode(), o.drawing.wrap_mode());
+  maps.push_back(load_map(o.texture, o.drawing));
   sim::scene s{"plane", size, std::make_shared<const sim::map_list>(std::move(maps)), {}};
   sim::add_plane(s, m, 0);
 
@@ -44,7 +45,7 @@ void run(const plane_options& o) {
 void add_plane_command(CLI::App& app) {
   const auto o = std::make_shared<plane_options>();
   CLI::App& sub = *app.add_subcommand("plane", "draw one textured plane from a 3x3 matrix");
-  sub.add_option("--texture", o->texture, "the map: any picture that stb_image reads, at most 4096x4096")->required();
+  sub.add_option("--texture", o->texture, "the map: any picture that stb_image reads, at most 4096x4096, or a texture pack (.stx)")->required();
   sub.add_option("--size", o->size, "picture size, WxH")->required();
   sub.add_option("--matrix", o->matrix,
                  "A,B,C,D,E,F,G,H,I: u = (A x + B y + C)/(G x + H y + I), v = (D x + E y + F)/(...), in texels, for pixel centres "

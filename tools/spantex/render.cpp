@@ -50,6 +50,7 @@ std::vector<sim::output_file> outputs(const render_options& o) {
 
 void run(const render_options& o) {
   const sim::draw_options drawing = o.drawing.resolve();
+  if (o.psnr) refuse_reference(drawing);
   const std::vector<sim::output_file> files = outputs(o);
   const sim::output_file stats = o.stats.empty() ? sim::output_file() : sim::output_file(o.stats);
   const subject_options::loaded subject(o.subject, o.drawing);

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "methods.hpp"
+
+#include <stdio.h>
+
+#include <algorithm>
+#include <stdexcept>
+#include <utility>
+
+#include <sim/quality.hpp>
+
+namespace spantex::tool {
+
+std::string label_of(const method& m) {
+  if (m.space == sim::sampling_space::object) return "object-space";
+  return std::string(sim::name_of(sim::filter_names, m.kind));
+}
+
+std::string name_of(const method& m) { return label_of(m) + "-" + std::string(sim::name_of(sim::profile_names, m.profile)); }
+
+bench::bench(sim::scene s, rgba8 background, int repeats)
+    : scene_(std::move(s)), background_(background), repeats_(repeats),
+      reference_(sim::render_reference(scene_, background, sim::hardware_threads())), rounded_(sim::rounded(reference_)) {
+  for (const int item : sim::visible_items(scene_)) shown_ += item >= 0;
+}
+
+judged bench::judge(const method& m) const {
+  sim::draw_options o;
+  o.kind = m.kind;
+  o.profile = m.profile;
+  o.space = m.space;
+  o.background = background_;
+  o.repeat = repeats_;
+  sim::draw_result direct = sim::draw(scene_, o);
+  if (m.space == sim::sampling_space::screen) {
+    o.engine = sim::engine_choice::simulated;
+    o.repeat = 1;
+    const sim::draw_result simulated = sim::draw(scene_, o);
+    if (direct.picture.pixels != simulated.picture.pixels)
+      throw std::runtime_error(scene_.name + " " + name_of(m) + ": engines direct and sim differ");
+    direct.machine = simulated.machine;
+  }
+  const double pixels = double(std::max<size_t>(1, shown_));
+  judged j{scene_.name, m, {}, sim::psnr_db(direct.picture, reference_), sim::ssim(direct.picture, rounded_),
+           sim::worst_error(direct.picture, reference_), direct.ns_per_pixel, double(direct.machine.texel_reads) / pixels,
+           double(direct.work.words_loaded) / pixels, direct.machine};
+  j.picture = std::move(direct.picture);
+  return j;
+}
+
+std::string table_heading() {
+  char line[200];
+  snprintf(line, sizeof line, "%-10s  %-12s  %-7s  %7s  %6s  %5s  %8s  %6s  %8s  %8s", "picture", "filter", "profile", "PSNR dB", "SSIM", "worst",
+           "texels", "words", "stalls", "ns");
+  return line;
+}
+
+std::string table_line(const judged& j) {
+  char line[200];
+  const std::string kind = label_of(j.how), profile(sim::name_of(sim::profile_names, j.how.profile));
+  snprintf(line, sizeof line, "%-10s  %-12s  %-7s  %7.2f  %6.4f  %5.0f  %8.2f  %6.2f  %8.3f  %8.1f", j.scene.c_str(), kind.c_str(), profile.c_str(), j.psnr_db,
+           j.ssim, j.worst, j.texel_reads, j.words, double(j.machine.stall_cycles) / double(std::max<uint64_t>(1, j.machine.pixels)), j.ns_per_pixel);
+  return line;
+}
+
+}  // namespace spantex::tool

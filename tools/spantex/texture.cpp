@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+// spantex texture: compiles a picture into a texture pack, a file or a C array.
+#include <memory>
+#include <optional>
+
+#include <sim/pack.hpp>
+#include "commands.hpp"
+#include "options.hpp"
+#include "progress.hpp"
+
+namespace spantex::tool {
+namespace {
+
+constexpr std::array<sim::named<pack_format::byte_order>, 2> order_names{
+    {{"little", pack_format::little_endian}, {"big", pack_format::big_endian}}};
+
+struct texture_options {
+  std::string picture, out, c_array, format = "rgba8888", prefilter = "box", wrap = "repeat", order = "little";
+  std::optional<int> alpha_test, levels;
+  bool inverse = false, alpha_weighted = false, srgb = false;
+  int threads = sim::hardware_threads();
+};
+
+// One mode for both axes, or U,V.
+void set_wraps(const std::string& text, sim::compile_options& o) {
+  const size_t comma = text.find(',');
+  o.wrap_u = value_of(sim::wrap_names, text.substr(0, comma), "wrap mode");
+  o.wrap_v = comma == std::string::npos ? o.wrap_u : value_of(sim::wrap_names, text.substr(comma + 1), "wrap mode");
+}
+
+sim::compile_options resolve(const texture_options& o) {
+  constexpr int most_threads = 256;
+  sim::compile_options c;
+  c.format = value_of(sim::format_names, o.format, "format");
+  c.levels = value_of(sim::prefilter_names, o.prefilter, "prefilter");
+  set_wraps(o.wrap, c);
+  c.order = value_of(order_names, o.order, "byte order");
+  c.alpha = o.alpha_weighted ? sim::alpha_weighting::weighted : sim::alpha_weighting::independent;
+  c.inverse = o.inverse;
+  c.srgb = o.srgb;
+  if (o.threads < 1 || o.threads > most_threads) throw sim::input_error("--threads: outside 1.." + std::to_string(most_threads));
+  c.threads = o.threads;
+  if (!o.alpha_test) return c;
+  if (*o.alpha_test < 1 || *o.alpha_test > 255) throw sim::input_error("--alpha-test: outside 1..255");
+  if (!has_alpha(c.format)) throw sim::input_error("--alpha-test: format " + o.format + " has no alpha");
+  c.alpha_threshold = uint8_t(*o.alpha_test);
+  return c;
+}
+
+void set_level_count(const texture_options& o, const sim::image& picture, sim::compile_options& c) {
+  if (!o.levels) return;
+  const int most = sim::all_levels(picture.width_px, picture.height_px);
+  if (*o.levels < 1 || *o.levels > most)
+    throw sim::input_error("--levels: outside 1.." + std::to_string(most) + ", the levels of " + o.picture);
+  c.level_count = *o.levels;
+}
+
+bool is_source(const std::string& path) { return path.ends_with(".c") || path.ends_with(".h"); }
+
+sim::output_file wanted(const std::string& path) { return path.empty() ? sim::output_file() : sim::output_file(path); }
+
+void write(const sim::output_file& file, const sim::bytes& pack) {
+  if (!is_source(file.path())) return file.write(pack);
+  const auto linkage = file.path().ends_with(".c") ? sim::c_linkage::external : sim::c_linkage::internal;
+  file.write(sim::c_array(pack, sim::identifier_of(file.path()), linkage));
+}
+
+sim::bytes compiled(const sim::image& picture, sim::compile_options c) {
+  progress_bar bar("compiling", sim::compile_parts(picture, c));
+  c.parts_done = bar.callback();
+  return sim::compile_pack(picture, c);
+}
+
+void run(const texture_options& o) {
+  sim::compile_options c = resolve(o);
+  if (o.out.empty() && o.c_array.empty()) throw sim::input_error("texture: nothing to write: give --out, --c-array or both");
+  if (!o.c_array.empty() && !is_source(o.c_array)) throw sim::input_error("--c-array: '" + o.c_array + "' does not end in .h or .c");
+  check_outputs_differ({{"--out", o.out}, {"--c-array", o.c_array}});
+  const sim::output_file out = wanted(o.out), source = wanted(o.c_array);
+  const sim::image picture = sim::load_image(o.picture);
+  set_level_count(o, picture, c);
+  const sim::bytes pack = compiled(picture, c);
+  if (out.wanted()) write(out, pack);
+  if (source.wanted()) write(source, pack);
+}
+
+}  // namespace
+
+void add_texture_command(CLI::App& app) {
+  const auto o = std::make_shared<texture_options>();
+  CLI::App& sub = *app.add_subcommand("texture", "compile a picture into a texture pack with its levels");
+  sub.add_option("PICTURE", o->picture, "any picture that stb_image reads, at most 4096x4096")->required();
+  sub.add_option("--out", o->out, "the pack (.stx); a C array if the name ends in .c (external names) or .h (static)");
+  sub.add_option("--c-array", o->c_array, "the pack as a C array as well: .h or .c; its name is the file's");
+  sub.add_option("--format", o->format, list_of(sim::format_names))->capture_default_str();
+  sub.add_option("--prefilter", o->prefilter, list_of(sim::prefilter_names))->capture_default_str();
+  sub.add_option("--wrap", o->wrap, list_of(sim::wrap_names) + "; or two, of u and of v: clamp,repeat")->capture_default_str();
+  sub.add_flag("--inverse", o->inverse, "sharpen the levels by a truncated inverse of the prefilter's blur");
+  sub.add_flag("--alpha-weighted", o->alpha_weighted, "colours count by their alpha: those of transparent texels do not bleed");
+  sub.add_option("--alpha-test", o->alpha_test, "1..255: keep the share of texels with at least this alpha on every level");
+  sub.add_option("--levels", o->levels, "so many levels from the largest; all if not given");
+  sub.add_option("--byte-order", o->order, "of 16-bit texels, the target's: " + list_of(order_names))->capture_default_str();
+  sub.add_flag("--srgb", o->srgb, "mark the colours as sRGB; they are filtered as they are");
+  sub.add_option("--threads", o->threads, "threads; the bytes do not depend on it")->capture_default_str();
+  sub.callback([o] { run(*o); });
+}
+
+}  // namespace spantex::tool
