@@ -53,8 +53,8 @@ SPANTEX_CASE(pixels_with_w_zero_or_less_are_not_drawn) {
   const double between[9] = {3, 1, 5, 0, 2, 7, 1, 0, -20}, on_centres[9] = {3, 1, 5, 0, 2, 7, 1, 0, -20.5};
   for (const bool on : {false, true}) {
     const plane p = set_up(on ? on_centres : between);
-    const synthetic_map& white = constant_map(8, 8, {255, 255, 255, 255});
-    for_each_picture(p, white, [&](auto, filter, const texture_view&) {
+    const synthetic_map& white_map = constant_map(8, 8, {255, 255, 255, 255});
+    for_each_picture(p, white_map, [&](auto, filter, const texture_view&) {
       for (int32_t y = 0; y < side; ++y)
         for (int32_t x = 0; x < side; ++x) assert_true((at(x, y) == background) == (x < (on ? 21 : 20)));
     });

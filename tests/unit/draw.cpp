@@ -46,12 +46,12 @@ SPANTEX_CASE(only_the_area_in_front_of_the_viewer_is_drawn) {
 }
 
 SPANTEX_CASE(every_pixel_of_the_area_is_written) {
-  const texture_view white = constant_map(16, 16, {255, 254, 253, 252}).view(wrap::repeat, wrap::repeat);
+  const texture_view plain = constant_map(16, 16, {255, 254, 253, 252}).view(wrap::repeat, wrap::repeat);
   for (const filter kind : all_filters)
     for (int k = 0; k < 3; ++k) {
       shown.reset(333, 211);
       engine_type engine;
-      SPANTEX_ASSERT_OK(render_plane(prof, engine, sample_plane(k), white, kind, shown));
+      SPANTEX_ASSERT_OK(render_plane(prof, engine, sample_plane(k), plain, kind, shown));
       for (const rgba8& c : shown.pixels)  // a contour's alpha is a distance in pixels
         assert_true((c == rgba8{255, 254, 253, kind == filter::contour ? c.a : uint8_t(252)}));
     }
