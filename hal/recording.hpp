@@ -137,8 +137,8 @@ void archive(Archive& a, footprint_sums& s) {
 
 template <class Archive>
 void archive(Archive& a, span_coefficients& c) {
-  auto& [base_u, base_v, c_u, a_u, b_u, c_v, a_v, b_v, g, h, row, column, axis, contour, fine, coarse, exponent, last_level, how, kind,
-         two_levels, corrects, linear_light, centred] = c;
+  auto& [base_u, base_v, c_u, a_u, b_u, c_v, a_v, b_v, g, h, row, column, axis, contour, fine, coarse, exponent, slope_log2, last_level, how, terms,
+         kind, two_levels, corrects, linear_light, centred] = c;
   for (int32_t* field : {&base_u, &base_v, &c_u, &a_u, &b_u, &c_v, &a_v, &b_v, &g, &h}) a(*field);
   for (int16_t& term : row) a(term);
   for (int16_t& term : column) a(term);
@@ -147,8 +147,10 @@ void archive(Archive& a, span_coefficients& c) {
   archive(a, fine);
   archive(a, coarse);
   a(exponent);
+  a(slope_log2);
   a(last_level);
   a.one_of(how, evaluation::divide);
+  a(terms);
   a.one_of(kind, last_filter);
   a(two_levels);
   a(corrects);
@@ -158,7 +160,7 @@ void archive(Archive& a, span_coefficients& c) {
 
 inline constexpr char recording_magic[] = "STXREC\r\n";
 inline constexpr size_t magic_length = sizeof recording_magic - 1;
-inline constexpr uint32_t recording_version = 4;
+inline constexpr uint32_t recording_version = 5;
 inline constexpr size_t header_length = magic_length + 4 + 8 + 8, checksum_length = 4;
 
 inline void write_operation(byte_writer& out, const recording& log, const recorded_operation& op) {

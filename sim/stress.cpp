@@ -122,7 +122,7 @@ const char* name_of(stress_family f) {
 
 const char* name_of(stress_stage s) {
   constexpr const char* names[stress_stage_count] = {
-      "set-up",          "numerator",         "relative w",  "reciprocal",   "u, v: affine",      "u, v: one term",
+      "set-up",          "numerator",         "relative w",  "reciprocal",   "u, v: affine",      "u, v: series",
       "u, v: divide",    "u, v: pixel",       "beyond 2^15", "drift: row",   "drift: column",     "drift: moved",
       "level: Jacobian", "level: major axis", "log2",        "snapped u, v", "axis of one texel", "nearest texel",
       "colour",          "write-out",         "coverage",    "W > 0",        "fan drawn once"};
@@ -182,8 +182,8 @@ double widest_bound(const profile& p, stress_stage s) {
       return unit(reciprocal_unit_bound(p));
     case stress_stage::affine:
       return unit(affine_bound(p, e));
-    case stress_stage::one_term:
-      return unit(one_term_bound(p, e));
+    case stress_stage::series:
+      return unit(series_bound(p, e));
     case stress_stage::divide:
       return unit(divide_bound(p, e));
     case stress_stage::nearest:

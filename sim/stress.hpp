@@ -41,7 +41,7 @@ enum class stress_stage {
   relative_w,  // w
   reciprocal,  // 1/w, relative
   affine,      // u, v by evaluation, texels of level 0
-  one_term,
+  series,
   divide,
   pixel,
   out_of_range,    // how far below 32767 a coordinate beyond 2^15 comes out, texels

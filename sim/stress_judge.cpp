@@ -54,8 +54,8 @@ stress_stage stage_of(evaluation how) {
   switch (how) {
     case evaluation::affine:
       return stress_stage::affine;
-    case evaluation::one_term:
-      return stress_stage::one_term;
+    case evaluation::series:
+      return stress_stage::series;
     case evaluation::divide:
       break;
   }
@@ -70,7 +70,7 @@ stress_bounds::stress_bounds(const profile& p) : prof(p) {
     if (extent_log2 > max_extent_log2) continue;
     numerator[exponent] = in_units(numerator_bound(p, extent_log2));
     affine[exponent] = in_units(affine_bound(p, extent_log2));
-    one_term[exponent] = in_units(one_term_bound(p, extent_log2));
+    series[exponent] = in_units(series_bound(p, extent_log2));
     divide[exponent] = in_units(divide_bound(p, extent_log2));
   }
   pixel_numerator = in_units(pixel_numerator_bound(p));
@@ -316,7 +316,7 @@ stress_judge::signed_error stress_judge::judge_pixel(span_under_test& span, cons
   const span_coefficients& c = *e.c;
   const double bound = stage == stress_stage::pixel      ? bounds_.pixel
                        : stage == stress_stage::affine   ? bounds_.affine[c.exponent]
-                       : stage == stress_stage::one_term ? bounds_.one_term[c.exponent]
+                       : stage == stress_stage::series   ? bounds_.series[c.exponent]
                                                          : bounds_.divide[c.exponent];
   signed_error result{0, 0, bound, e.counts[0] && e.counts[1]};
   for (const bool v : {false, true}) {

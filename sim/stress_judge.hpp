@@ -29,7 +29,7 @@ inline exact_plane exact_plane_of(const homography& m) {
 struct stress_bounds {
   explicit stress_bounds(const profile& p);
   profile prof;
-  double numerator[64], affine[64], one_term[64], divide[64];
+  double numerator[64], affine[64], series[64], divide[64];
   double pixel_numerator, pixel, saturation, relative_w, reciprocal, level, major_level, log2, snapping[16], colour[2];
 };
 

@@ -6,6 +6,7 @@
 
 #include <spantex/bits.hpp>
 #include <spantex/profile.hpp>
+#include <spantex/span.hpp>
 
 namespace spantex {
 
@@ -53,10 +54,17 @@ constexpr uint64_t reciprocal_unit_bound(const profile& p) {
   return unit + detail::bound_power(-p.reciprocal_bits);
 }
 
-// |position_at - n/w| for the ideal n/w of the same rounded coefficients: what widens the box of a section.
-constexpr uint64_t evaluation_bound(const profile& p, int extent_log2, bool divides, bool approximates) {
-  return detail::bound_power(-p.coordinate_bits - 1) + (approximates ? detail::bound_power(-p.tolerance_bits) : 0) +
-         (divides ? detail::bound_scaled(reciprocal_unit_bound(p), extent_log2 + 1) : 0);
+// |position_at - n/w| for the ideal n/w of the same rounded coefficients: what widens the box of a section. What affine and series leave out,
+// and the 16 bits of a series, are at most 3/4 of the tolerance; the series' last floor is a unit of the mantissas.
+constexpr uint64_t evaluation_bound(const profile& p, int extent_log2, evaluation how) {
+  const uint64_t final_rounding = detail::bound_power(-p.coordinate_bits - 1);
+  switch (how) {
+    case evaluation::affine: return final_rounding + 3 * detail::bound_power(-p.tolerance_bits - 2);
+    case evaluation::series:
+      return final_rounding + 3 * detail::bound_power(-p.tolerance_bits - 2) + detail::bound_power(-mantissa_exponent(p, extent_log2));
+    case evaluation::divide: break;
+  }
+  return final_rounding + detail::bound_scaled(reciprocal_unit_bound(p), extent_log2 + 1);
 }
 
 // Set-up: |rounded form - exact| in half units of the form, dx, dy half pixels from its origin: three coefficients, each to nearest.
@@ -68,26 +76,27 @@ constexpr uint64_t pixel_numerator_bound(const profile& p) {
 }
 
 // End to end, |computed - exact| of a texture coordinate within s15.16, for spans that reach up to 2^extent_log2 texels, by how 1/w is
-// evaluated; pixels about their own centre have no slopes.
+// evaluated: w > 1/2 at a divide and where an affine span's reach is below the tolerance, else w > 3/4. Pixels about their own centre have no slopes.
 constexpr uint64_t affine_bound(const profile& p, int extent_log2) {
-  return evaluation_bound(p, extent_log2, false, true) + numerator_bound(p, extent_log2);
+  return evaluation_bound(p, extent_log2, evaluation::affine) + 2 * numerator_bound(p, extent_log2) +
+         2 * detail::bound_scaled(relative_w_bound(p), extent_log2);
 }
-constexpr uint64_t one_term_bound(const profile& p, int extent_log2) {
-  return evaluation_bound(p, extent_log2, false, true) + 2 * numerator_bound(p, extent_log2) +
-         detail::bound_scaled(relative_w_bound(p), extent_log2);
+constexpr uint64_t series_bound(const profile& p, int extent_log2) {
+  return evaluation_bound(p, extent_log2, evaluation::series) + 2 * numerator_bound(p, extent_log2) +
+         2 * detail::bound_scaled(relative_w_bound(p), extent_log2);
 }
 constexpr uint64_t divide_bound(const profile& p, int extent_log2) {
-  return evaluation_bound(p, extent_log2, true, false) + 2 * numerator_bound(p, extent_log2) +
+  return evaluation_bound(p, extent_log2, evaluation::divide) + 2 * numerator_bound(p, extent_log2) +
          detail::bound_scaled(relative_w_bound(p), extent_log2 + 2);
 }
-constexpr uint64_t pixel_bound(const profile& p) { return evaluation_bound(p, 0, false, false) + pixel_numerator_bound(p); }
+constexpr uint64_t pixel_bound(const profile& p) { return detail::bound_power(-p.coordinate_bits - 1) + pixel_numerator_bound(p); }
 
 // In addition, for positions between the largest s15.16 and 2^15: they come out as that largest one at best.
 constexpr uint64_t saturation_bound() { return detail::bound_power(-16); }
 
 constexpr uint64_t coordinate_bound(const profile& p, int extent_log2 = max_extent_log2) {
-  const uint64_t affine = affine_bound(p, extent_log2), one_term = one_term_bound(p, extent_log2), divide = divide_bound(p, extent_log2);
-  return affine > one_term ? (affine > divide ? affine : divide) : (one_term > divide ? one_term : divide);
+  const uint64_t series = series_bound(p, extent_log2), divide = divide_bound(p, extent_log2);  // affine is below series
+  return series > divide ? series : divide;
 }
 
 // |snapped - exact| of a blending filter's position on a level, in texels of that level, beside the coordinate's own error: the ratio of
@@ -104,6 +113,9 @@ constexpr uint64_t snapped_bound(const profile& p, int level) {
 // log2_16(), in 2^-40: less than 1 above the true value, at most 3.91 units of 2^-16 below it (exhaustive: tests/unit/log2.cpp).
 constexpr uint64_t log2_bound() { return 4 * detail::bound_power(-16); }
 
+// 2 log2 w of a pixel: twice log2_16(), or the series of flat spans: e^3/3 left out, 16 bits.
+constexpr uint64_t twice_log2_w_bound() { return 19 * detail::bound_power(-16); }
+
 namespace detail {
 
 // What every level of detail has in common: terms rounded to 10 bits, the final rounding, and w.
@@ -114,28 +126,21 @@ constexpr uint64_t level_rounding_bound(const profile& p) {
 
 }  // namespace detail
 
-// |computed - formula| of the level of detail where it lies in [0, last], in 2^-40 level. Jacobian: log2 twice and a half, the
+// |computed - formula| of the level of detail where it lies in [0, last], in 2^-40 level. Jacobian: log2 w twice, half a log2, the
 // span's mantissas, and its slopes in the gradient.
 constexpr uint64_t level_bound(const profile& p) {
-  return detail::level_rounding_bound(p) + 5 * log2_bound() / 2 + detail::bound_power(14 - p.offset_bits) +
+  return detail::level_rounding_bound(p) + twice_log2_w_bound() + log2_bound() / 2 + detail::bound_power(14 - p.offset_bits) +
          144 * detail::bound_power(-p.reciprocal_bits);
 }
 
 // Major axis, against the plane's log2 K: log2 W0 twice and log2 w twice.
-constexpr uint64_t major_level_bound(const profile& p) { return detail::level_rounding_bound(p) + 4 * log2_bound(); }
+constexpr uint64_t major_level_bound(const profile& p) { return detail::level_rounding_bound(p) + twice_log2_w_bound() + 2 * log2_bound(); }
 
-// |colour - exact filtering at the snapped position and level| in 2^-40 LSB: a rounding wherever more fraction bits meet than the stage
-// keeps (filter.hpp), and write-out.
+// |colour - exact filtering at the snapped position and level| in 2^-40 LSB: write-out and, of two levels, the rounding of each to blend_bits.
 constexpr uint64_t colour_bound(const profile& p, bool two_levels) {
-  constexpr int most_bits = 24;  // what 32 bits hold beside a texel
   const int half = p.colour_rounding == rounding::floor ? 0 : 1;
-  const auto rounded_to = [half](int bits) { return detail::bound_power(-bits - half); };
-  int bits = 2 * p.subtexel_bits;
-  uint64_t bound = rounded_to(0);
-  if (bits > p.blend_bits) bound += rounded_to(bits = p.blend_bits);
-  if (!two_levels) return bound;
-  if (bits + p.level_bits > most_bits) bound += rounded_to(bits = most_bits - p.level_bits);
-  return bits + p.level_bits > p.blend_bits ? bound + rounded_to(p.blend_bits) : bound;
+  const bool rounds = two_levels && 2 * p.subtexel_bits > p.blend_bits;
+  return detail::bound_power(-half) + (rounds ? detail::bound_power(-p.blend_bits - half) : 0);
 }
 
 // The promises, checked when the library is compiled.

@@ -50,7 +50,7 @@ constexpr void pixel_area_coordinates(const plane& p, const reference& r, const 
     clipped.b_u = halved(r.b_u);
     clipped.a_v = halved(r.a_v);
     clipped.b_v = halved(r.b_v);
-    if (coordinates_within(2, {halved(p.w.x), halved(p.w.y)}, clipped, q, c)) return;
+    if (coordinates_within(2, {halved(p.w.x), halved(p.w.y)}, clipped, q, false, c)) return;
     if (!r.u_in_range || !r.v_in_range) break;
   }
   pixel_coordinates(r, q, c);
@@ -72,7 +72,7 @@ template <class Prof>
 constexpr wide_position position_beside(const Prof& prof, const span_coefficients& c, int i, int j, screen_offset d) {
   const auto hx = corner_offset::from_raw((c.centred ? 0 : half_pixels(i)) + d.x);
   const auto hy = corner_offset::from_raw((c.centred ? 0 : half_pixels(j)) + d.y);
-  const uint32_t reciprocal = reciprocal_from(prof, c, [&] { return w_at<Prof, steep_slope_of_w<Prof>>(prof, c, hx, hy); });
+  const uint32_t reciprocal = reciprocal_of(prof, c, slope_at<Prof, steep_slope_of_w<Prof>>(c, hx, hy));
   const auto at = [&](int32_t base, offset_mantissa<Prof> n) {
     return trust_to<wide_coordinate>(unlimited_coordinate_at(prof, c, base, n, reciprocal));
   };

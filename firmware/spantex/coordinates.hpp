@@ -4,7 +4,7 @@
 // Set-up side: reference_at() rebases a plane on whole texels at a reference point. The rebased numerators
 //   c = Nu - base W,  a = A - base G,  b = B - base H
 // are exact integers, so nothing cancels later; one reciprocal of W then serves every quotient of the span.
-// Datapath side: position_at() evaluates one pixel.
+// Datapath side: position_at() evaluates one pixel: n and 1 + e are linear, 1/(1 + e) is 1, a series in 16-bit products, or a divide.
 #pragma once
 #include <stdint.h>
 
@@ -72,9 +72,35 @@ inline constexpr int reach = span_side - 1;
 // Slopes of W per half pixel.
 struct w_slopes { int64_t g, h; };
 
+inline constexpr int series_bits = 14;        // e and q of the series: 16-bit numbers in 2^(slope_log2 - 14)
+inline constexpr int least_slope_log2 = -15;  // flatter spans count as this
+inline constexpr int most_series_slope_log2 = -2, most_series_terms = 4;
+
+// The cheapest evaluation within the tolerance (ACCURACY 6), from the rounded slopes: |e| < 2^slope_log2 for every pixel.
+constexpr void choose_evaluation(const profile& q, int farthest, int extent_log2, bool may_be_series, span_coefficients& c) {
+  const uint64_t slope = uint64_t(farthest) * (magnitude(c.g) + magnitude(c.h));
+  const int slope_log2 = max_of(bit_length(slope) - q.reciprocal_bits, least_slope_log2);  // -1 or less
+  const int steep = slope_log2 > most_series_slope_log2 ? 1 : 0;
+  c.slope_log2 = int8_t(slope_log2);
+  c.terms = 1;
+  c.how = evaluation::divide;
+  if (slope == 0 || extent_log2 + slope_log2 + 1 + steep <= -q.tolerance_bits) {
+    c.how = evaluation::affine;
+    return;
+  }
+  const int resolution_log2 = q.offset_bits - 1 - c.exponent;  // extent_log2, or what the largest exponent leaves of it
+  if (!may_be_series || steep || resolution_log2 + slope_log2 > series_bits - 3 - q.tolerance_bits) return;
+  for (int terms = 1; terms <= most_series_terms; ++terms)
+    if (extent_log2 + slope_log2 * (terms + 1) + 1 <= -q.tolerance_bits - 1) {
+      c.how = evaluation::series;
+      c.terms = uint8_t(terms);
+      return;
+    }
+}
+
 // Fills the coordinate part of the coefficients about a reference point, for positions up to `farthest` half pixels from it. False if w
 // leaves (1/2, 3/2) there, u or v is out of range, or they reach more than 2^max_extent_log2 texels.
-constexpr bool coordinates_within(int farthest, w_slopes of_w, const reference& r, const profile& q, span_coefficients& c) {
+constexpr bool coordinates_within(int farthest, w_slopes of_w, const reference& r, const profile& q, bool may_be_series, span_coefficients& c) {
   if (!r.u_in_range || !r.v_in_range) return false;
   const uint64_t slope = uint64_t(farthest) * (magnitude(of_w.g) + magnitude(of_w.h));
   if (slope >= uint64_t(r.w) / 2 - uint64_t(r.w) / 256) return false;  // the margin keeps the rounded w in (1/2, 3/2) as well
@@ -98,19 +124,13 @@ constexpr bool coordinates_within(int farthest, w_slopes of_w, const reference& 
   c.g = quotient(of_w.g, slope_drop, r.inverse_w, q.reciprocal_bits);
   c.h = quotient(of_w.h, slope_drop, r.inverse_w, q.reciprocal_bits);
   c.exponent = int8_t(exponent);
-
-  // |e| < 2^slope_log2: leaving the divide out errs by at most extent e / (1 - e) <= 2 extent e texels, one term by 2 extent e^2.
-  const int slope_log2 = bit_length(slope) - bit_length(uint64_t(r.w)) + 1;
-  const int affine_log2 = extent_log2 + slope_log2 + 1;
-  if (slope == 0 || affine_log2 <= -q.tolerance_bits) c.how = evaluation::affine;
-  else if (affine_log2 + slope_log2 <= -q.tolerance_bits) c.how = evaluation::one_term;
-  else c.how = evaluation::divide;
+  choose_evaluation(q, farthest, extent_log2, may_be_series, c);
   return true;
 }
 
 // Of a span about its centre. False if it must be evaluated pixel by pixel.
 constexpr bool span_coordinates(const plane& p, const reference& r, const profile& q, span_coefficients& c) {
-  return coordinates_within(reach, {p.w.x, p.w.y}, r, q, c);
+  return coordinates_within(reach, {p.w.x, p.w.y}, r, q, true, c);
 }
 
 // Fills the coordinate part for a single pixel about its own centre: the same position wherever it is evaluated.
@@ -120,6 +140,8 @@ constexpr void pixel_coordinates(const reference& r, const profile& q, span_coef
   c.a_u = c.b_u = c.a_v = c.b_v = c.g = c.h = 0;
   c.c_u = c.c_v = 0;  // what is out of range stays at +-32767
   c.exponent = int8_t(min_of(q.offset_bits - 2, max_exponent));
+  c.slope_log2 = least_slope_log2;
+  c.terms = 1;
   c.how = evaluation::affine;
   const auto offset = [&](int64_t n) { return quotient(n, max_of(0, bit_length(magnitude(n)) - 31), r.inverse_w, c.exponent); };
   if (r.u_in_range) c.c_u = offset(r.c_u);
@@ -150,16 +172,26 @@ constexpr offset_mantissa<Prof> numerator_at(int32_t c, int32_t a, int32_t b, in
   return numerator_at<Prof>(c, a, b, offset_to(i), offset_to(j));
 }
 
-// w = 1 + g hx + h hy as reciprocal_bits fraction bits, in (1/2, 3/2) by the planner's condition and relative_w_bound() < 1/256.
+// e = g hx + h hy as reciprocal_bits fraction bits: |e| < 1/2 by the planner's condition and relative_w_bound() < 1/256.
+template <class Prof> using relative_slope = s<-1, Prof::max_reciprocal_bits>;
 template <class Prof, class Slope, int I>
-constexpr uint32_t w_at(const Prof& prof, const span_coefficients& c, s<I, 0> hx, s<I, 0> hy) {
-  const auto e = Slope::from_raw(c.g) * hx + Slope::from_raw(c.h) * hy;
+constexpr relative_slope<Prof> slope_at(const span_coefficients& c, s<I, 0> hx, s<I, 0> hy) {
+  return trust_to<relative_slope<Prof>>(Slope::from_raw(c.g) * hx + Slope::from_raw(c.h) * hy);  // proofs: relative_w, corner_w
+}
+template <class Prof>
+constexpr relative_slope<Prof> slope_at(const span_coefficients& c, int i, int j) {
+  return slope_at<Prof, slope_of_w<Prof>>(c, offset_to(i), offset_to(j));
+}
+
+// w = 1 + e, in (1/2, 3/2).
+template <class Prof>
+constexpr uint32_t w_of(const Prof& prof, relative_slope<Prof> e) {
   const auto one = relative_w<Prof>::from_raw(uint32_t(1) << prof.get().reciprocal_bits);
   return trust_to<relative_w<Prof>>(one + e).raw();  // proofs: relative_w, corner_w
 }
 template <class Prof>
 constexpr uint32_t w_at(const Prof& prof, const span_coefficients& c, int i, int j) {
-  return w_at<Prof, slope_of_w<Prof>>(prof, c, offset_to(i), offset_to(j));
+  return w_of(prof, slope_at<Prof>(c, i, j));
 }
 
 // 1/w for w in (1/2, 3/2), same format.
@@ -173,20 +205,43 @@ constexpr uint32_t reciprocal_of_w(uint32_t w, int bits) {
   return uint32_t(shift_right(y, 32 - bits - below_one));
 }
 
-// What n is multiplied by, given a function that tells w.
-template <class Prof, class W>
-constexpr uint32_t reciprocal_from(const Prof& prof, const span_coefficients& c, W w) {
+// 1/w as a number: by the divide wherever the span is not affine.
+template <class Prof>
+constexpr uint32_t reciprocal_of(const Prof& prof, const span_coefficients& c, relative_slope<Prof> e) {
   const int bits = prof.get().reciprocal_bits;
-  switch (c.how) {
-    case evaluation::affine: return uint32_t(1) << bits;
-    case evaluation::one_term: return (uint32_t(2) << bits) - w();
-    case evaluation::divide: break;
-  }
-  return reciprocal_of_w(w(), bits);
+  return c.how == evaluation::affine ? uint32_t(1) << bits : reciprocal_of_w(w_of(prof, e), bits);
 }
 template <class Prof>
 constexpr uint32_t reciprocal_at(const Prof& prof, const span_coefficients& c, int i, int j) {
-  return reciprocal_from(prof, c, [&] { return w_at(prof, c, i, j); });
+  return reciprocal_of(prof, c, slope_at<Prof>(c, i, j));
+}
+
+// --- the series: 1/(1 + e) = 1 - q, q = e - e^2 + e^3 - e^4. Products of 16 bits (proof: series).
+
+using series_number = s<15, 0>;  // 2^(slope_log2 - 14)
+
+// e as a series_number, floor; at most 2^14. Flat spans of few reciprocal_bits have no fraction to drop.
+template <class Prof>
+constexpr series_number series_slope(const Prof& prof, const span_coefficients& c, relative_slope<Prof> e) {
+  const int drop = prof.get().reciprocal_bits + c.slope_log2 - series_bits;
+  return trust_to<series_number>(s<31, 0>::from_raw(scale_down(e.raw(), drop, rounding::floor)));
+}
+
+constexpr series_number series_of(series_number e, int slope_log2, int terms) {
+  series_number q = e;
+  for (int k = 1; k < terms; ++k) {
+    const auto product = e * q;
+    q = trust_to<series_number>(e - series_number::from_raw(product.raw() >> (series_bits - slope_log2)));
+  }
+  return q;
+}
+
+// n (1 - q), floor: n cut to its upper 16 bits for the product.
+template <class Prof>
+constexpr offset_mantissa<Prof> numerator_by_series(const Prof& prof, offset_mantissa<Prof> n, series_number q, int slope_log2) {
+  const int drop = max_of(0, prof.get().offset_bits - series_bits - 1);
+  const auto product = trust_to<series_number>(s<31, 0>::from_raw(n.raw() >> drop)) * q;
+  return trust_to<offset_mantissa<Prof>>(n - offset_mantissa<Prof>::from_raw(product.raw() >> (series_bits - slope_log2 - drop)));
 }
 
 // n / w before it is rounded. Spans of small reach have large exponents: where the shift to coordinate_bits may exceed 30, 64 bits hold the
@@ -199,14 +254,14 @@ constexpr bool position_is_wide() {
 }
 template <class Prof> using position_rep = typename detail::rep<true, position_is_wide<Prof>()>::type;
 
-// base + n / w, rounded once to coordinate_bits.
+// base + n / w, rounded once to coordinate_bits. Only a divide has a reciprocal; n of a series is divided already.
 template <class Prof>
 constexpr s<31, 16> unlimited_coordinate_at(const Prof& prof, const span_coefficients& c, int32_t base, offset_mantissa<Prof> n, uint32_t reciprocal) {
   const profile& q = prof.get();
   using rep = position_rep<Prof>;
   const int drop = c.exponent - q.coordinate_bits;
   rep offset;
-  if (c.how == evaluation::affine) {
+  if (c.how != evaluation::divide) {
     offset = scale_down(rep(n.raw()), drop);
   } else {
     const position_product<Prof> p = n * relative_w<Prof>::from_raw(reciprocal);
@@ -224,9 +279,19 @@ constexpr coordinate coordinate_at(const Prof& prof, const span_coefficients& c,
 
 template <class Prof>
 constexpr texel_position position_at(const Prof& prof, const span_coefficients& c, int i, int j) {
-  const uint32_t reciprocal = reciprocal_at(prof, c, i, j);
-  return {coordinate_at(prof, c, c.base_u, numerator_at<Prof>(c.c_u, c.a_u, c.b_u, i, j), reciprocal),
-          coordinate_at(prof, c, c.base_v, numerator_at<Prof>(c.c_v, c.a_v, c.b_v, i, j), reciprocal)};
+  auto u = numerator_at<Prof>(c.c_u, c.a_u, c.b_u, i, j), v = numerator_at<Prof>(c.c_v, c.a_v, c.b_v, i, j);
+  uint32_t reciprocal = 0;
+  switch (c.how) {
+    case evaluation::affine: break;
+    case evaluation::series: {
+      const series_number q = series_of(series_slope(prof, c, slope_at<Prof>(c, i, j)), c.slope_log2, c.terms);
+      u = numerator_by_series(prof, u, q, c.slope_log2);
+      v = numerator_by_series(prof, v, q, c.slope_log2);
+      break;
+    }
+    case evaluation::divide: reciprocal = reciprocal_at(prof, c, i, j); break;
+  }
+  return {coordinate_at(prof, c, c.base_u, u, reciprocal), coordinate_at(prof, c, c.base_v, v, reciprocal)};
 }
 
 // How far rounding can move a position from the hull of its span's corners, raw s15.16.
@@ -234,7 +299,7 @@ template <class Prof>
 constexpr int32_t position_slack(const Prof& prof, const span_coefficients& c) {
   const profile& q = prof.get();
   const int extent_log2 = q.offset_bits - 1 - c.exponent;
-  const uint64_t bound = evaluation_bound(q, extent_log2, c.how == evaluation::divide, c.how == evaluation::one_term);
+  const uint64_t bound = evaluation_bound(q, extent_log2, c.how);
   return int32_t(2 * bound >> (error_unit_log2 - 16)) + 2;  // the corners' own rounding and the pixel's
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Interpolation of one channel (KT88: 3- and 4-point; VR11: trilinear from eight values). Every weight pair sums to a power of two
-// and every rounding is of a convex combination: a constant comes out exactly, and the result stays between its texels.
+// and every rounding is of a convex combination: a constant comes out exactly, and the result stays between its texels. Interpolation on
+// a level is exact; two levels are rounded to blend_bits, then interpolated exactly; write-out rounds once.
 //
 // Input texels 8 bits; weights f / 2^weight_bits, 0 <= f < 2^weight_bits. Intermediate: colour with `bits` fraction bits, at most 24,
 // in 32 bits unsigned: 255 * 2^24 < 2^32, so nothing overflows. Differences are taken modulo 2^32: a convex combination comes back into range.
@@ -26,7 +27,7 @@
 namespace spantex {
 
 inline constexpr int max_blend_bits = 24;
-static_assert(8 + max_blend_bits <= 32, "a colour and its fraction fit 32 bits; is_valid() keeps blend_bits and 2 subtexel_bits within 24");
+static_assert(8 + max_blend_bits <= 32, "a colour and its fraction fit 32 bits; is_valid() keeps blend_bits + level_bits and 2 subtexel_bits within 24");
 
 inline constexpr int max_linear_blend_bits = 16;
 static_assert(linear_bits + max_linear_blend_bits <= 32, "the same for 16-bit texels; is_valid() keeps 2 subtexel_bits within 16");
@@ -62,18 +63,12 @@ constexpr texels2x2 srgb_decoded(texels2x2 t) {
   return {srgb_decoded(t.t00), srgb_decoded(t.t10), srgb_decoded(t.t01), srgb_decoded(t.t11)};
 }
 
-// Keeps at most blend_bits fraction bits.
-template <class Number>
-constexpr partial_colour_of<Number> kept(Number value, int bits, const profile& q) {
-  return {round_off(value, bits - q.blend_bits, q.colour_rounding), min_of(bits, q.blend_bits)};
-}
-
-// KT88, 4-point: along u, then along v; 2 subtexel_bits fraction bits before rounding.
+// KT88, 4-point: along u, then along v; 2 subtexel_bits fraction bits.
 template <class Number = uint32_t, class Texel = Number>
 constexpr partial_colour_of<Number> four_point(texels2x2_of<Texel> t, weights_of<Number> w, const profile& q) {
   const int bits = q.subtexel_bits;
   const Number top = interpolated<Number>(t.t00, t.t10, w.u, bits), bottom = interpolated<Number>(t.t01, t.t11, w.u, bits);
-  return kept(interpolated(top, bottom, w.v, bits), 2 * bits, q);
+  return {interpolated(top, bottom, w.v, bits), 2 * bits};
 }
 
 // KT88, 3-point: the plane through the three texels of the triangle the position lies in; the diagonal runs from (0,0) to (1,1).
@@ -87,17 +82,17 @@ SPANTEX_WRAPS constexpr partial_colour_of<Number> three_point(texels2x2_of<Texel
     t.t01 = t.t10;
   }
   const Number side = t.t01, t00 = t.t00;
-  return kept((t00 << q.subtexel_bits) + (side - t00) * w.v + (Number(t.t11) - side) * w.u, q.subtexel_bits, q);
+  return {(t00 << q.subtexel_bits) + (side - t00) * w.v + (Number(t.t11) - side) * w.u, q.subtexel_bits};
 }
 
-// Between two levels by the fraction of the level of detail.
+// Between two levels by the fraction of the level of detail: each colour rounded to blend_bits (halves up, or down if colours are cut), then
+// exactly. In linear light 16-bit texels leave fewer bits.
 template <class Number = uint32_t>
 constexpr partial_colour_of<Number> between_levels(partial_colour_of<Number> fine, partial_colour_of<Number> coarse, Number fraction,
                                                    const profile& q, int most_bits = max_blend_bits) {
-  // 24 + 8 bits of fraction would not fit: what exceeds 24 (16 in linear light) is rounded away before, as blend_bits says.
-  const int excess = max_of(0, fine.bits + q.level_bits - most_bits);
-  const Number a = round_off(fine.value, excess, q.colour_rounding), b = round_off(coarse.value, excess, q.colour_rounding);
-  return kept(interpolated(a, b, fraction, q.level_bits), fine.bits - excess + q.level_bits, q);
+  const int bits = min_of(fine.bits, min_of(q.blend_bits, most_bits - q.level_bits)), drop = fine.bits - bits;
+  const rounding mode = q.colour_rounding == rounding::floor ? rounding::floor : rounding::nearest;
+  return {interpolated(round_off(fine.value, drop, mode), round_off(coarse.value, drop, mode), fraction, q.level_bits), bits + q.level_bits};
 }
 
 constexpr uint8_t written(partial_colour c, const profile& q) { return uint8_t(round_off(c.value, c.bits, q.colour_rounding)); }

@@ -97,13 +97,33 @@ constexpr void formula_levels_of_pixel(const profile& q, const plane& p, const r
 // The power of 1/w that a formula falls with.
 constexpr int power_of_w(level_formula f) { return f == level_formula::minor ? 1 : 2; }
 
+// Flat spans, |e| < 2^-4: log2(1 + e) = (e - e^2/2) / ln 2 in 16-bit products; else by the table.
+inline constexpr int most_level_slope_log2 = -4;
+using twice_over_ln2 = u<15, 0>;  // 2^-13
+inline constexpr twice_over_ln2 level_factor = twice_over_ln2::from_raw(23637);
+
+// t = e - e^2/2 in 2^(slope_log2 - 14), times power / ln 2, s.16: floor (proof: level_series).
+constexpr int32_t power_log2_of_series(series_number e, int slope_log2, int power) {
+  const auto square = e * e;
+  const auto t = trust_to<series_number>(e - series_number::from_raw(square.raw() >> (series_bits + 1 - slope_log2)));
+  const auto product = t * level_factor;
+  return product.raw() >> (13 - power - slope_log2);
+}
+
+// power log2 w of a pixel, s.16; power is 1 or 2.
+template <class Prof>
+constexpr int32_t power_log2_w(const Prof& prof, const span_coefficients& c, int power, int i, int j) {
+  if ((c.g | c.h) == 0) return 0;
+  const relative_slope<Prof> e = slope_at<Prof>(c, i, j);
+  if (c.slope_log2 <= most_level_slope_log2) return power_log2_of_series(series_slope(prof, c, e), c.slope_log2, power);
+  return power * (log2_16(w_of(prof, e)) - (prof.get().reciprocal_bits << 16));
+}
+
 // The level of detail of a pixel before bias and clamp, s.16: negative where the map is magnified.
 template <class Prof>
 constexpr int32_t unbiased_level(const Prof& prof, const span_coefficients& c, int i, int j) {
-  const profile& q = prof.get();
-  int32_t level = int32_t(c.level_row[j] > c.level_column[i] ? c.level_row[j] : c.level_column[i]) * (1 << (16 - level_term_bits));
-  if ((c.g | c.h) != 0) level -= power_of_w(q.formula) * (log2_16(w_at(prof, c, i, j)) - (q.reciprocal_bits << 16));
-  return level;
+  const int32_t level = int32_t(c.level_row[j] > c.level_column[i] ? c.level_row[j] : c.level_column[i]) * (1 << (16 - level_term_bits));
+  return level - power_log2_w(prof, c, power_of_w(prof.get().formula), i, j);
 }
 
 // The level of detail of a pixel in 2^-level_bits, clamped to [0, last_level].

@@ -350,7 +350,7 @@ constexpr void fix_levels(int16_t level, span_coefficients& c) {
 
 // Coordinates of a span about its centre; false if its pixels must be evaluated one by one.
 constexpr bool coordinates_of_span(const surface& s, const reference& r, const profile& q, span_coefficients& c) {
-  if (uses_area(s.kind)) return coordinates_within(area_reach, {s.map->w.x, s.map->w.y}, r, q, c);
+  if (uses_area(s.kind)) return coordinates_within(area_reach, {s.map->w.x, s.map->w.y}, r, q, false, c);
   return span_coordinates(*s.map, r, q, c);
 }
 
@@ -359,8 +359,12 @@ constexpr void coordinates_of_pixel(const surface& s, const reference& r, const 
   else pixel_coordinates(r, q, c);
 }
 
-// Reciprocals that a pixel of a span takes.
-constexpr int reciprocals_a_pixel(filter kind) { return uses_area(kind) ? 1 + corner_count(kind) : 1; }
+// Reciprocals that a pixel of a span takes. A footprint's axis divides by w^2 wherever w is not 1, its position may do without.
+constexpr int reciprocals_a_pixel(filter kind, evaluation how) {
+  if (uses_footprint(kind)) return how == evaluation::affine ? 0 : 1;
+  if (how != evaluation::divide) return 0;
+  return uses_area(kind) ? 1 + corner_count(kind) : 1;
+}
 
 constexpr span_coefficients blank_coefficients(const surface& s) {
   span_coefficients c{};
@@ -389,7 +393,7 @@ constexpr status plan_span(const Prof& prof, const surface& s, int32_t sx, int32
         if (s.fixed_level != no_fixed_level) detail::fix_levels(s.fixed_level, c);
         else formula_levels(q, *s.map, r, c);
       }
-      if (c.how == evaluation::divide) job.divides += detail::reciprocals_a_pixel(s.kind) * __builtin_popcountll(mask);
+      job.divides += detail::reciprocals_a_pixel(s.kind, c.how) * __builtin_popcountll(mask);
       return detail::emit_levels(prof, *s.texture, job, sink);
     }
   }

@@ -37,7 +37,7 @@ struct profile {
   int tolerance_bits = 12;                          // cheaper evaluations may err by 2^-tolerance_bits texel
   int subtexel_bits = 8;                            // fraction bits of a snapped position: the weights of the filter
   int level_bits = 8;                               // fraction bits of the level of detail
-  int blend_bits = 24;                              // fraction bits of a colour kept after each interpolation
+  int blend_bits = 16;                              // fraction bits of each level's colour, kept before two are interpolated (at most 16)
   int max_samples = 16;                             // filter aniso: samples along a footprint, 1 to 16
   int sample_slack = 2;                             // the number of samples is the axes' ratio less this many 1/16, rounded up (0 to 15)
   int sample_bias = -8;                             // s3.4: added to the level of a footprint's minor axis, in 1/16 level (-16 to 0)
@@ -45,7 +45,7 @@ struct profile {
   bool contours = true;                             // filter contour; false leaves its code out: alpha comes as from trilinear
   bool linear_light = true;                         // sRGB maps in linear light; false leaves code and table out: filtered as coded
   rounding position_rounding = rounding::nearest;   // when a position is snapped to subtexel_bits
-  rounding colour_rounding = rounding::nearest;     // after each interpolation and at write-out
+  rounding colour_rounding = rounding::even;        // at write-out, and of means: halves are the rule with weights of 1/2 and 1/4
 
   constexpr int coarse_side() const { return fine_side / 2; }
   friend constexpr bool operator==(const profile&, const profile&) = default;
@@ -57,7 +57,7 @@ constexpr bool is_valid(const profile& p) {
          p.coordinate_bits >= 4 && p.coordinate_bits <= 16 && p.offset_bits >= 12 && p.offset_bits <= 31 &&
          p.reciprocal_bits >= 12 && p.reciprocal_bits <= 30 && p.tolerance_bits >= 0 && p.tolerance_bits <= 16 &&
          p.subtexel_bits >= 1 && p.subtexel_bits <= 8 && p.level_bits >= 1 && p.level_bits <= 8 &&
-         p.blend_bits >= 0 && p.blend_bits <= 24 && p.max_samples >= 1 && p.max_samples <= 16 &&
+         p.blend_bits >= 0 && p.blend_bits <= 16 && p.max_samples >= 1 && p.max_samples <= 16 &&
          p.sample_slack >= 0 && p.sample_slack <= 15 && p.sample_bias >= -16 && p.sample_bias <= 0 &&
          p.area_side_log2 >= 1 && p.area_side_log2 <= 4;
 }
@@ -69,14 +69,13 @@ inline constexpr profile seed{.fine_side = 8, .overflow = overflow_policy::clamp
                               .formula = level_formula::major, .coordinate_bits = 12, .offset_bits = 23,
                               .reciprocal_bits = 22, .tolerance_bits = 8};
 
-// 32-bit products only: 16-bit numerators and reciprocals. Halves go to even: its short weights meet them often.
+// 32-bit products only: 16-bit numerators and reciprocals.
 inline constexpr profile compact{.fine_side = 8, .overflow = overflow_policy::coarser, .coordinate_bits = 10,
                                  .offset_bits = 15, .reciprocal_bits = 14, .tolerance_bits = 7, .subtexel_bits = 6,
-                                 .level_bits = 6, .blend_bits = 8,
-                                 .colour_rounding = rounding::even};
+                                 .level_bits = 6, .blend_bits = 8};
 
-// Quality for its cost.
-inline constexpr profile standard{.fine_side = 16, .coordinate_bits = 14, .tolerance_bits = 9, .blend_bits = 16};
+// Quality for its cost: the longest tolerance that keeps the promise of 1/256 texel, colours of 15 bits between levels.
+inline constexpr profile standard{.fine_side = 16, .coordinate_bits = 14, .tolerance_bits = 8, .subtexel_bits = 7, .blend_bits = 7};
 
 // The promised accuracy everywhere.
 inline constexpr profile exact{.fine_side = 32, .sample_slack = 0};

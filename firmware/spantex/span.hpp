@@ -37,10 +37,11 @@ constexpr bool uses_three_points(filter f) { return f == filter::three_point || 
 // Texels that one sample uses on each level.
 constexpr int texels_per_sample(filter f) { return f == filter::nearest ? 1 : uses_three_points(f) ? 3 : 4; }
 
-// How 1/w is evaluated on a span (docs/SPEC.md "Planner"). Each is chosen only where its error stays within the profile's tolerance.
+// How 1/w = 1/(1 + e) is evaluated on a span (docs/SPEC.md "Span coordinates"). Each is chosen only where its error stays within the
+// profile's tolerance.
 enum class evaluation : uint8_t {
   affine,    // 1
-  one_term,  // 1 - e
+  series,    // 1 - e + e^2 - ..., one to four terms in 16-bit products
   divide,    // table and Newton's iteration
 };
 
@@ -75,8 +76,10 @@ struct span_coefficients {
   contour_terms contour;                   // filter contour
   section fine, coarse;
   int8_t exponent;
+  int8_t slope_log2;                       // |w - 1| < 2^slope_log2 on the span; -15 or more
   uint8_t last_level;                      // of the map
   evaluation how;
+  uint8_t terms;                           // of the series, 1 to 4
   filter kind;
   bool two_levels;                         // the coarser section is loaded and wanted
   bool corrects;                           // the section may be too small: coordinates are clamped to it
