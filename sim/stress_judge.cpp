@@ -303,9 +303,10 @@ void stress_judge::judge_colour(span_under_test& span, const evaluated_pixel& e,
     note(stress_stage::colour, std::ldexp(double(error), -bits), c.kind == filter::nearest ? 0 : bounds_.colour[c.two_levels], span.at,
          e.k);
   }
-  const auto value = uint32_t(r.next() % ((uint64_t(255) << q.blend_bits) + 1));
-  const int64_t error = std::abs((int64_t(written({value, q.blend_bits}, q)) << q.blend_bits) - int64_t(value));
-  note(stress_stage::write_out, std::ldexp(double(error), -q.blend_bits), q.colour_rounding == rounding::floor ? 1 : 0.5, span.at, e.k);
+  const int kept = q.blend_bits + q.level_bits;
+  const auto value = uint32_t(r.next() % ((uint64_t(255) << kept) + 1));
+  const int64_t error = std::abs((int64_t(written({value, kept}, q)) << kept) - int64_t(value));
+  note(stress_stage::write_out, std::ldexp(double(error), -kept), q.colour_rounding == rounding::floor ? 1 : 0.5, span.at, e.k);
 }
 
 // Levels and colours are judged for every fifth pixel: logarithms are slow.

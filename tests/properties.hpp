@@ -160,8 +160,8 @@ struct shares {
     for (int k = 0; k < count; ++k) sum += of[k].weight * channel_of(of[k].texel, channel);
     return sum;
   }
-  // Rounded once, halves up.
-  uint8_t rounded(int channel) const { return uint8_t((2 * value(channel) + (int64_t(1) << bits)) >> (bits + 1)); }
+  // Rounded once, halves to even.
+  uint8_t rounded(int channel) const { return uint8_t(shift_right(value(channel), bits, rounding::even)); }
   // The smallest and largest of the texels that have a weight at all.
   uint32_t smallest(int channel) const {
     uint32_t least = 255;
@@ -263,8 +263,7 @@ struct rounding_error {
   double worst_lsb() const { return double(worst) / 4294967296.0; }
   double mean_lsb() const { return count == 0 ? 0 : double(sum) / double(count) / 4294967296.0; }
   bool is_unbiased() const { return 50 * magnitude_of(sum) < int128(count) << 32; }  // less than 0.02 LSB
-  // Half a unit at write-out and at most half of 2^-blend_bits at each of two roundings before it (ACCURACY 10).
-  bool is_within_bound(const profile& q) const { return worst <= (int64_t(1) << 31) + (int64_t(1) << (32 - q.blend_bits)); }
+  bool is_within_bound(const profile& q, bool two_levels) const { return uint64_t(worst) <= colour_bound(q, two_levels) >> (error_unit_log2 - 32); }
 };
 
 }  // namespace spantex::sim

@@ -113,8 +113,8 @@ constexpr uint64_t snapped_bound(const profile& p, int level) {
 // log2_16(), in 2^-40: less than 1 above the true value, at most 3.91 units of 2^-16 below it (exhaustive: tests/unit/log2.cpp).
 constexpr uint64_t log2_bound() { return 4 * detail::bound_power(-16); }
 
-// 2 log2 w of a pixel: twice log2_16(), or the series of flat spans: e^3/3 left out, 16 bits.
-constexpr uint64_t twice_log2_w_bound() { return 19 * detail::bound_power(-16); }
+// 2 log2 w of a pixel: twice log2_16(), or the series of flat spans, at most 16.73 units of 2^-16 (exhaustive: tests/unit/series.cpp).
+constexpr uint64_t twice_log2_w_bound() { return 17 * detail::bound_power(-16); }
 
 namespace detail {
 

@@ -46,6 +46,8 @@ void print_constants() {
   print_range("subtexel_bits", &profile::subtexel_bits);
   print_range("level_bits", &profile::level_bits);
   print_range("blend_bits", &profile::blend_bits);
+  std::printf("least_slope_log2 %d 0\nmost_series_slope_log2 %d 0\nmost_level_slope_log2 %d 0\nmost_series_terms %d 0\nlevel_factor %d 0\n",
+              least_slope_log2, most_series_slope_log2, most_level_slope_log2, most_series_terms, int(level_factor.raw()));
   std::printf("max_extent_log2 %d 0\nmax_exponent %d 0\nmax_levels %d 0\nreach %d 0\n", max_extent_log2, max_exponent, max_levels, reach);
   for (int k = 0; k < 128; ++k) std::printf("seed_%d %d 0\n", k, int(reciprocal_seeds.seed[k]));
   for (int k = 0; k < 64; ++k) std::printf("knot_%d %d 0\n", k, int(log2_knots.knot[k]));
@@ -79,7 +81,7 @@ numbers span_of(const numbers& x) {
   const reference r = reference_at(p, 0, 0);
   span_coefficients c{};
   if (!span_coordinates(p, r, with(x[0], x[1], x[2], x[3]).value, c)) return {0};
-  return {1, c.base_u, c.base_v, c.c_u, c.a_u, c.b_u, c.c_v, c.a_v, c.b_v, c.g, c.h, c.exponent, int(c.how)};
+  return {1, c.base_u, c.base_v, c.c_u, c.a_u, c.b_u, c.c_v, c.a_v, c.b_v, c.g, c.h, c.exponent, int(c.how), c.slope_log2, c.terms};
 }
 
 // Reciprocal bits, exponent, then the coefficients.
@@ -101,6 +103,16 @@ numbers position_of(const numbers& x) {
   return {coordinate_at(with(31, x[1], x[0]), c, int32_t(x[4]), n, uint32_t(x[6])).raw()};
 }
 
+// Offset bits, reciprocal bits, slope_log2, terms, then e and n.
+numbers by_series(const numbers& x) {
+  const run_time_profile prof = with(x[0], x[1], 16);
+  span_coefficients c{};
+  c.slope_log2 = int8_t(x[2]);
+  const series_number e16 = series_slope(prof, c, relative_slope<run_time_profile>::from_raw(int32_t(x[4])));
+  const series_number q = series_of(e16, int(x[2]), int(x[3]));
+  return {e16.raw(), q.raw(), numerator_by_series(prof, offset_mantissa<run_time_profile>::from_raw(int32_t(x[5])), q, int(x[2])).raw()};
+}
+
 numbers answer(const std::string& step, const numbers& x) {
   const auto pixel = [&](size_t at) { return std::pair(int(x[at]), int(x[at + 1])); };
   if (step == "newton_step") return {newton_step(uint32_t(x[0]), uint32_t(x[1]))};
@@ -114,6 +126,8 @@ numbers answer(const std::string& step, const numbers& x) {
   }
   if (step == "reciprocal_of_w") return {reciprocal_of_w(uint32_t(x[0]), int(x[1]))};
   if (step == "position") return position_of(x);
+  if (step == "by_series") return by_series(x);
+  if (step == "level_series") return {power_log2_of_series(series_number::from_raw(int32_t(x[0])), int(x[1]), int(x[2]))};
   if (step == "on_level") return {detail::on_level(coordinate::from_raw(int32_t(x[0])), uint32_t(x[1]), int(x[2]), int(x[3]), rounding::nearest)};
   if (step == "interpolated") return {interpolated(uint32_t(x[0]), uint32_t(x[1]), uint32_t(x[2]), int(x[3]))};
   if (step == "reference") return reference_of(plane_of(x, 0));

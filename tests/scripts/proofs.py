@@ -21,6 +21,7 @@ from z3 import And, BitVec, BitVecVal, If, Implies, Int, Not, Or, Real, Solver, 
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 LIMIT_MS = 60_000
+AFFINE, SERIES, DIVIDE = range(3)  # evaluation
 TRIALS = 4000
 
 
@@ -65,6 +66,26 @@ def relative_w(R, g, h, hx, hy):
 def position_sum(n, r, shift):
     """coordinates.hpp coordinate_at, shift > 0."""
     return n * r + power(shift - 1)
+
+
+def floored(x, shift):
+    """x >> shift, or to the left."""
+    return x * power(-shift) if shift < 0 else x / power(shift) if is_expr(x) else x >> shift
+
+
+def series_next(e16, product, s):
+    """coordinates.hpp series_of, product = e16 q."""
+    return e16 - floored(product, 14 - s)
+
+
+def series_numerator(n, product, s, D):
+    """coordinates.hpp numerator_by_series, product = (n >> D) q."""
+    return n - floored(product, 14 - s - D)
+
+
+def level_terms(e16, square, s):
+    """level.hpp power_log2_of_series: t."""
+    return e16 - floored(square, 15 - s)
 
 
 def on_level_sum(product, level, bits):
@@ -124,8 +145,8 @@ class Model:
 
     @staticmethod
     def position(coordinate, reciprocal, how, exponent, base, n, r):
-        drop = exponent - coordinate + (0 if how == 0 else reciprocal)
-        p = n if how == 0 else n * r
+        drop = exponent - coordinate + (reciprocal if how == DIVIDE else 0)
+        p = n * r if how == DIVIDE else n
         offset = nearest(p, drop) if drop > 0 else p << -drop
         return max(-(1 << 31), min((1 << 31) - 1, (base << 16) + (offset << (16 - coordinate))))
 
@@ -157,12 +178,30 @@ class Model:
             return [0]
         scale = min(offset - 1 - extent_log2, self.k["max_exponent"][0])
         drop, slope_drop = max(0, extent.bit_length() - 31), max(0, slope.bit_length() - 31)
-        slope_log2 = slope.bit_length() - wc.bit_length() + 1
-        affine = extent_log2 + slope_log2 + 1
-        how = 0 if slope == 0 or affine <= -tolerance else 1 if affine + slope_log2 <= -tolerance else 2
         mantissas = [self.quotient(n, drop, y, exponent_w, scale) for n in (cu, au, bu, cv, av, bv)]
         slopes = [self.quotient(n, slope_drop, y, exponent_w, reciprocal) for n in (wx, wy)]
-        return [1, base_u, base_v, *mantissas, *slopes, scale, how]
+        rounded = reach * sum(map(size, slopes))
+        s = max(rounded.bit_length() - reciprocal, self.k["least_slope_log2"][0])
+        steep = s > self.k["most_series_slope_log2"][0]
+        how, terms = DIVIDE, 1
+        if rounded == 0 or extent_log2 + s + 1 + steep <= -tolerance:
+            how = AFFINE
+        elif not steep and offset - 1 - scale + s <= 11 - tolerance:
+            enough = [k for k in range(1, self.k["most_series_terms"][0] + 1) if extent_log2 + s * (k + 1) + 1 <= -tolerance - 1]
+            if enough:
+                how, terms = SERIES, enough[0]
+        return [1, base_u, base_v, *mantissas, *slopes, scale, how, s, terms]
+
+    @staticmethod
+    def by_series(offset, reciprocal, s, terms, e, n):
+        e16 = q = floored(e, reciprocal + s - 14)
+        for _ in range(terms - 1):
+            q = series_next(e16, e16 * q, s)
+        D = max(0, offset - 15)
+        return [e16, q, series_numerator(n, floored(n, D) * q, s, D)]
+
+    def level_series(self, e16, s, times):
+        return floored(level_terms(e16, e16 * e16, s) * self.k["level_factor"][0], 13 - times - s)
 
     def log2_16(self, x):
         n = x.bit_length() - 1
@@ -274,6 +313,13 @@ def links(library, trials):
         a, b, f = (rng.choice((0, 255 << 16, rng.randint(0, 255 << 16))) for _ in range(2)), 0, rng.randint(0, 255)
         a, b = a
         yield ["interpolated", a, b, f, 8], [interpolated(a, b, f, 8)]
+        s, terms = rng.randint(k["least_slope_log2"][0], k["most_series_slope_log2"][0]), rng.randint(1, k["most_series_terms"][0])
+        OB, most = pick("offset_bits"), (1 << max(0, R + s)) - 1
+        e = rng.choice((most, -most, rng.randint(-most, most)))
+        n = rng.choice((-1, 1)) * rng.choice(((1 << (OB - 1)) + 32, rng.randint(0, 1 << (OB - 1))))
+        yield ["by_series", OB, R, s, terms, e, n], model.by_series(OB, R, s, terms, e, n)
+        e16, s = rng.randint(-(1 << 14), 1 << 14), rng.randint(k["least_slope_log2"][0], k["most_level_slope_log2"][0])
+        yield ["level_series", e16, s, terms % 2 + 1], [model.level_series(e16, s, terms % 2 + 1)]
         plane = plane_about(rng)
         yield ["reference", *plane], model.reference(plane)
         OB, T = pick("offset_bits"), pick("tolerance_bits")
@@ -344,6 +390,50 @@ def proves_relative_w(k):
         bound = (1 << (R - 1)) - (1 << (R - 8)) + 8
         good = [And(x > 1 << (R - 1), x < 3 << (R - 1)) for x in w] + [size(g) < 1 << (R - 3), size(h) < 1 << (R - 3)]
         yield [], [7 * (size(g) + size(h)) <= bound], And(*good)
+
+
+MOST_Q = 22000  # of the series: what |q| <= MOST_Q gives again
+
+
+def scales(k, last):
+    return range(k["least_slope_log2"][0], k[last][0] + 1)
+
+
+def proves_series_slope(k):
+    """coordinates.hpp series_slope: e in 2^(s - 14), floor, is a 16-bit number of at most 2^14, also where it is shifted to the left."""
+    e = Int("e")
+    for R, s in itertools.product(range(k["reciprocal_bits"][0], k["reciprocal_bits"][1] + 1), scales(k, "most_series_slope_log2")):
+        e16 = floored(e, R + s - 14)
+        bound = [size(e) * power(max(0, -R - s)) < power(max(0, R + s))]  # |e| < 2^(R + s), exactly
+        yield [], bound, And(e16 >= -(1 << 14), e16 < 1 << 14)
+
+
+def proves_series(k):
+    """coordinates.hpp series_of: products fit 32 bits and q 16, whatever the number of terms: MOST_Q holds for one and for the next."""
+    e16, q, p = Int("e16"), Int("q"), Int("p")  # p = e16 q
+    for s in scales(k, "most_series_slope_log2"):
+        valid = [size(q) <= MOST_Q, size(p) <= (1 << 14) * size(q)]
+        yield valid, [size(e16) <= 1 << 14], And(size(p) < 1 << 31, size(series_next(e16, p, s)) <= MOST_Q, MOST_Q < 1 << 15)
+
+
+def proves_series_numerator(k):
+    """coordinates.hpp numerator_by_series: n cut to 16 bits, a product of 32, and n' inside offset_bits, for every OB and scale."""
+    n, p = Int("n"), Int("p")  # p = (n >> D) q
+    for OB, s in itertools.product(range(k["offset_bits"][0], k["offset_bits"][1] + 1), scales(k, "most_series_slope_log2")):
+        D = max(0, OB - 15)
+        n16 = floored(n, D)
+        valid = [size(p) <= MOST_Q * size(n16)]
+        good = And(n16 >= -(1 << 15), n16 < 1 << 15, size(p) < 1 << 31, size(series_numerator(n, p, s, D)) < 1 << OB)
+        yield valid, [size(n) <= (1 << (OB - 1)) + 32], And(good, 14 - s - D >= 0, 14 - s - D < 32)
+
+
+def proves_level_series(k):
+    """level.hpp power_log2_of_series: t fits 16 bits and its product with the constant 32, for every scale."""
+    e16, p = Int("e16"), Int("p")  # p = e16 e16
+    for s in scales(k, "most_level_slope_log2"):
+        t = level_terms(e16, p, s)
+        valid = [p >= 0, p <= (1 << 14) * size(e16), 11 - s < 32]
+        yield valid, [size(e16) <= 1 << 14], And(t >= -(1 << 15), t < 1 << 15, size(t) * k["level_factor"][0] < 1 << 31)
 
 
 def proves_corner_numerator(k):
@@ -460,7 +550,7 @@ def enumerates_quotient_shifts(k):
 
 def enumerates_position_shifts(k):
     """coordinates.hpp coordinate_at: for every word length and reach the shift is shorter than position_rep, and product and half a unit, or
-    the product scaled up, fit it. |n| <= 2^(OB-1) + 2^5; 1/w < 2. In words of 32 bits profiles are told apart by longest_position_shift()."""
+    the product scaled up, fit it. |n| <= 2^(OB-1) + 2^5, below 2^OB after a series; 1/w < 2. In words of 32 bits profiles are told apart by longest_position_shift()."""
     (c_low, c_high), tolerance = k["coordinate_bits"], k["tolerance_bits"][1]
     for OB, R in itertools.product(*(range(k[n][0], k[n][1] + 1) for n in ("offset_bits", "reciprocal_bits"))):
         if f"width_{OB}_{R}" not in k:
@@ -470,7 +560,7 @@ def enumerates_position_shifts(k):
         for extent in range(-45, k["max_extent_log2"][0] + 1):
             exponent = min(OB - 1 - extent, k["max_exponent"][0])
             for CB in range(c_low, c_high + 1):
-                shifts = [(exponent - CB, most)] + ([(exponent - CB + R, most << (R + 1))] if extent >= -tolerance else [])
+                shifts = [(exponent - CB, 1 << OB)] + ([(exponent - CB + R, most << (R + 1))] if extent >= -tolerance else [])
                 longest = max(k["max_exponent"][0], min(OB - 1 + tolerance, k["max_exponent"][0]) + R) - CB
                 width = k[f"width_{OB}_{R}"][0] if CB == c_low else 64 if OB + R + 2 > 32 or longest > 30 else 32
                 for shift, x in shifts:
@@ -497,7 +587,7 @@ def enumerates_level_bound(library):
     cases = list(itertools.product(*(range(k[n][0], k[n][1] + 1) for n in ("offset_bits", "reciprocal_bits"))))
     for (OB, R), (bound,) in zip(cases, library.answers(["level_bound", OB, R, 8] for OB, R in cases), strict=True):
         w = 2**-30 + 14 * 2**-31 + 7 * 2**-R
-        rest = 2**-11 + 2**-9 + 10 * 2**-16 - 2 * math.log2(1 - 2 * w)
+        rest = 2**-11 + 2**-9 + 19 * 2**-16 - 2 * math.log2(1 - 2 * w)
         for extent in range(-4, k["max_extent_log2"][0] + 1):
             share = mantissa_share(OB, R, extent, min(OB - 1 - extent, k["max_exponent"][0]))
             need = rest - math.log2(1 - share) if share < 1 else math.inf
@@ -509,7 +599,8 @@ def enumerates_level_bound(library):
     return True
 
 
-PROOFS = [proves_newton_step, proves_quotient, proves_pixel_numerator, proves_relative_w, proves_corner_numerator, proves_corner_w,
+PROOFS = [proves_newton_step, proves_quotient, proves_pixel_numerator, proves_relative_w, proves_series_slope, proves_series, proves_series_numerator,
+          proves_level_series, proves_corner_numerator, proves_corner_w,
           proves_swept_area, proves_position, proves_on_level, proves_blend,
           proves_reference, proves_level_terms, proves_gradient_is_half_the_slopes]
 

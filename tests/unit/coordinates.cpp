@@ -25,7 +25,7 @@ struct coordinate_statistics {
   }
   void print(const char* what) const {
     const auto part = [](int64_t e) { return e == 0 ? 0.0 : 16777216.0 / double(e); };
-    std::printf("# %s: %lld evaluations (affine %lld, one term %lld, divide %lld), worst 1/%.0f texel (1/%.0f, 1/%.0f, 1/%.0f)\n", what,
+    std::printf("# %s: %lld evaluations (affine %lld, series %lld, divide %lld), worst 1/%.0f texel (1/%.0f, 1/%.0f, 1/%.0f)\n", what,
                 static_cast<long long>(evaluations), static_cast<long long>(by_how[0]), static_cast<long long>(by_how[1]),
                 static_cast<long long>(by_how[2]), part(worst), part(worst_by_how[0]), part(worst_by_how[1]), part(worst_by_how[2]));
   }

@@ -8,9 +8,9 @@ using namespace spantex::sim;
 
 namespace {
 
-constexpr profile even_colours() {
+constexpr profile halves_up() {
   profile q = profiles::exact;
-  q.colour_rounding = rounding::even;
+  q.colour_rounding = rounding::nearest;
   return q;
 }
 constexpr profile floor_colours() {
@@ -19,7 +19,7 @@ constexpr profile floor_colours() {
   q.blend_bits = 0;
   return q;
 }
-const profile tested[] = {profiles::seed, profiles::compact, profiles::standard, profiles::exact, even_colours(), floor_colours()};
+const profile tested[] = {profiles::seed, profiles::compact, profiles::standard, profiles::exact, halves_up(), floor_colours()};
 
 // Exact values as whole numbers over 2^(2 S) (four points) and 2^S (three points).
 int64_t exact_four(texels2x2 t, weights w, int bits) {
@@ -160,10 +160,10 @@ SPANTEX_CASE(a_brighter_texel_never_darkens_the_result) {
     }
 }
 
-static void check(const char* profile_name, const char* what, const rounding_error& e, const profile& q) {
+static void check(const char* profile_name, const char* what, const rounding_error& e, const profile& q, bool two_levels) {
   std::printf("# %s, %s: worst %.5f LSB, mean %.6f LSB\n", profile_name, what, e.worst_lsb(), e.mean_lsb());
   assert_true(e.worst <= int64_t(1) << 32);
-  assert_true(e.is_within_bound(q));
+  assert_true(e.is_within_bound(q, two_levels));
   assert_true(e.is_unbiased());
 }
 
@@ -177,8 +177,8 @@ static void check_single_level(const char* name, const profile& q) {
       three.note(written(three_point(t, w, q), q), exact_three(t, w, q.subtexel_bits), q.subtexel_bits);
     });
   }
-  check(name, "four points", four, q);
-  check(name, "three points", three, q);
+  check(name, "four points", four, q, false);
+  check(name, "three points", three, q, false);
 }
 
 SPANTEX_CASE(one_level_is_within_1_lsb_of_the_exact_value) {
@@ -199,8 +199,8 @@ static void check_two_levels(const char* name, const profile& q) {
     four.note(written(between_levels(four_point(a, w, q), four_point(b, x, q), f, q), q), exact(exact_four), 2 * s + m);
     three.note(written(between_levels(three_point(a, w, q), three_point(b, x, q), f, q), q), exact(exact_three), s + m);
   }
-  check(name, "four points, two levels", four, q);
-  check(name, "three points, two levels", three, q);
+  check(name, "four points, two levels", four, q, true);
+  check(name, "three points, two levels", three, q, true);
 }
 
 SPANTEX_CASE(two_levels_are_within_1_lsb_of_the_exact_value) {
@@ -211,7 +211,7 @@ SPANTEX_CASE(two_levels_are_within_1_lsb_of_the_exact_value) {
 SPANTEX_CASE(white_stays_white_for_every_word_length) {
   for (int s = 1; s <= 8; ++s)
     for (int m = 1; m <= 8; ++m)
-      for (int b = 0; b <= 24; ++b)
+      for (int b = 0; b <= 16; ++b)
         for (const rounding mode : {rounding::floor, rounding::nearest, rounding::even}) {
           profile q = profiles::exact;
           q.subtexel_bits = s;
