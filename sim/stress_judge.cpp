@@ -300,7 +300,7 @@ void stress_judge::judge_colour(span_under_test& span, const evaluated_pixel& e,
     const int64_t low = exact_blend(uint32_t(memory.words[k]), fine.fraction, q.subtexel_bits, three);
     const int64_t high = exact_blend(uint32_t(memory.words[k] >> 32), coarse.fraction, q.subtexel_bits, three);
     const int64_t error = std::abs((int64_t(channels[k]) << bits) - ((one - f) * low + f * high));
-    note(stress_stage::colour, std::ldexp(double(error), -bits), c.kind == filter::nearest ? 0 : bounds_.colour[c.two_levels], span.at,
+    note(stress_stage::colour, std::ldexp(double(error), -bits), c.kind == filter::nearest ? 0 : bounds_.colour[uses_two_levels(c.kind)], span.at,
          e.k);
   }
   const int kept = q.blend_bits + q.level_bits;

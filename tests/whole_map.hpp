@@ -76,6 +76,8 @@ rgba8 whole_map_footprint(const Prof& prof, const texture_view& t, const span_co
       if (two) {
         const snapped_position coarse = snap(at, whole_level(t, level + 1), c.kind, q);
         colour = between_levels(colour, whole_map_blend(q, t, c.kind, level + 1, coarse, channel), uint32_t(fraction), q);
+      } else {
+        colour = kept_of_level(colour, q);
       }
       colour = summable(colour, q);
       sums.channel[channel] += colour.value;
@@ -136,6 +138,7 @@ rgba8 whole_map_pixel(const Prof& prof, const surface& s, int32_t x, int32_t y) 
       out[k] = contour_coverage(contour_distance(prof, c, contour_field(colour, above, fraction, c, q), i, j), c.contour.outline);
       continue;
     }
+    if (uses_two_levels(s.kind)) colour = kept_of_level(colour, q);
     if (two) {
       const snapped_position coarse = snap(at, whole_level(t, level + 1), s.kind, q);
       const int32_t fraction = detail - (level << q.level_bits);

@@ -137,7 +137,7 @@ constexpr uint64_t level_bound(const profile& p) {
 constexpr uint64_t major_level_bound(const profile& p) { return detail::level_rounding_bound(p) + twice_log2_w_bound() + 2 * log2_bound(); }
 
 // |colour - exact filtering at the snapped position and level| in 2^-40 LSB: write-out and, of two levels, the rounding of each to blend_bits.
-constexpr uint64_t colour_bound(const profile& p, bool two_levels) {
+constexpr uint64_t colour_bound(const profile& p, bool two_levels) {  // two_levels: the filter's kind
   const int half = p.colour_rounding == rounding::floor ? 0 : 1;
   const bool rounds = two_levels && 2 * p.subtexel_bits > p.blend_bits;
   return detail::bound_power(-half) + (rounds ? detail::bound_power(-p.blend_bits - half) : 0);

@@ -112,7 +112,9 @@ constexpr partial_colour blended_texels(fetched f, const sample_point& s, const 
   };
   const partial_colour fine = blend(fine_texels(f), s.fine.fraction);
   constexpr int most_bits = LinearLight ? max_linear_blend_bits : max_blend_bits;
-  return c.two_levels ? between_levels(fine, blend(coarse_texels(f), s.coarse.fraction), s.level_fraction, q, most_bits) : fine;
+  if (!uses_two_levels(c.kind)) return fine;
+  if (!c.two_levels) return kept_of_level(fine, q, most_bits);
+  return between_levels(fine, blend(coarse_texels(f), s.coarse.fraction), s.level_fraction, q, most_bits);
 }
 
 // One channel of a sample, ready to be summed.

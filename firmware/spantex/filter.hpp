@@ -85,14 +85,20 @@ SPANTEX_WRAPS constexpr partial_colour_of<Number> three_point(texels2x2_of<Texel
   return {(t00 << q.subtexel_bits) + (side - t00) * w.v + (Number(t.t11) - side) * w.u, q.subtexel_bits};
 }
 
-// Between two levels by the fraction of the level of detail: each colour rounded to blend_bits (halves up, or down if colours are cut), then
-// exactly. In linear light 16-bit texels leave fewer bits.
+// What a filter of two levels keeps of each level's colour: blend_bits (halves up, or down if colours are cut), also where one level is all it
+// needs, so that a pixel does not depend on its neighbours' fractions. In linear light 16-bit texels leave fewer bits.
+template <class Number = uint32_t>
+constexpr partial_colour_of<Number> kept_of_level(partial_colour_of<Number> c, const profile& q, int most_bits = max_blend_bits) {
+  const int bits = min_of(c.bits, min_of(q.blend_bits, most_bits - q.level_bits));
+  return {round_off(c.value, c.bits - bits, q.colour_rounding == rounding::floor ? rounding::floor : rounding::nearest), bits};
+}
+
+// Between two levels by the fraction of the level of detail: exact but for what each keeps.
 template <class Number = uint32_t>
 constexpr partial_colour_of<Number> between_levels(partial_colour_of<Number> fine, partial_colour_of<Number> coarse, Number fraction,
                                                    const profile& q, int most_bits = max_blend_bits) {
-  const int bits = min_of(fine.bits, min_of(q.blend_bits, most_bits - q.level_bits)), drop = fine.bits - bits;
-  const rounding mode = q.colour_rounding == rounding::floor ? rounding::floor : rounding::nearest;
-  return {interpolated(round_off(fine.value, drop, mode), round_off(coarse.value, drop, mode), fraction, q.level_bits), bits + q.level_bits};
+  const partial_colour_of<Number> a = kept_of_level(fine, q, most_bits), b = kept_of_level(coarse, q, most_bits);
+  return {interpolated(a.value, b.value, fraction, q.level_bits), a.bits + q.level_bits};
 }
 
 constexpr uint8_t written(partial_colour c, const profile& q) { return uint8_t(round_off(c.value, c.bits, q.colour_rounding)); }

@@ -64,6 +64,7 @@ rgba8 from_whole_map(const profile& q, const texture_view& t, filter kind, const
   uint8_t out[4];
   for (int k = 0; k < channel_count; ++k) {
     partial_colour colour = whole_map_blend(q, t, kind, s.level, s.fine, k);
+    if (uses_two_levels(kind)) colour = kept_of_level(colour, q);
     if (s.two_levels) colour = between_levels(colour, whole_map_blend(q, t, kind, s.level + 1, s.coarse, k), s.fraction, q);
     out[k] = written(colour, q);
   }

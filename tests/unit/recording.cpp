@@ -52,7 +52,7 @@ SPANTEX_CASE(damaged_recordings_are_refused_with_a_reason) {
   refused_for(bytes + "x", "followed by 1 bytes");
   b = bytes;
   b[8] = 2;
-  refused_for(b, "version 2, known is 4");
+  refused_for(b, "version 2, known is 5");
   b = bytes;
   b[bytes.size() / 2] = char(b[bytes.size() / 2] ^ 0x10);
   refused_for(b, "checksum");
