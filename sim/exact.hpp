@@ -19,24 +19,37 @@ constexpr int bits_of(int128 x) {
   return uint64_t(m >> 64) != 0 ? 64 + bit_length(uint64_t(m >> 64)) : bit_length(uint64_t(m));
 }
 
-// |raw / 2^16 - numerator / w| in texels, from an exact integer difference; w > 0. 32 + 45 and 59 + 16 bits: nothing overflows.
-inline double coordinate_error(int32_t raw, int64_t numerator, int64_t w) {
-  const int128 difference = int128(raw) * w - (int128(numerator) << 16);
+// Nu, Nv and W at a position by the caller's integers, before set-up rounded them: cut to 62 bits of W, so right to 2^-45 texel; exact where they
+// are shorter.
+struct exact_point {
+  int128 u, v;
+  int64_t w;
+};
+inline exact_point exact_at(const plane& p, int32_t hx, int32_t hy) {
+  if (p.dropped_bits <= 0) return {p.u_at(hx, hy), p.v_at(hx, hy), p.w_at(hx, hy)};
+  const int128 w = int128_of(p.value(p.exact_w, hx, hy));
+  const int cut = bits_of(w) > 62 ? bits_of(w) - 62 : 0;
+  return {int128_of(p.value(p.exact_u, hx, hy)) >> cut, int128_of(p.value(p.exact_v, hx, hy)) >> cut, int64_t(w >> cut)};
+}
+
+// |raw / 2^16 - numerator / w| in texels, from an exact integer difference; w > 0. 32 + 62 and 77 + 16 bits: nothing overflows in range.
+inline double coordinate_error(int32_t raw, int128 numerator, int64_t w) {
+  const int128 difference = int128(raw) * w - (numerator << 16);
   const int128 size = difference < 0 ? -difference : difference;
   return double(static_cast<long double>(size) / (static_cast<long double>(w) * 65536.0L));
 }
 
 // The exact position lies within (-2^15, 2^15), so a coordinate is promised for it.
-inline bool in_range(int64_t numerator, int64_t w) {
+inline bool in_range(int128 numerator, int64_t w) {
   const int128 limit = int128(w) << 15;
   return numerator < limit && numerator > -limit;
 }
 
-// |snapped / 2^bits - (numerator / w size_level / size_0 - 1/2)| in texels of a level, from an exact integer difference: at most 25 + 45 +
-// 12 bits and 59 + 12 + 9.
-inline double snapped_error(int32_t snapped, int bits, int64_t numerator, int64_t w, int32_t size_level, int32_t size_0) {
+// |snapped / 2^bits - (numerator / w size_level / size_0 - 1/2)| in texels of a level, from an exact integer difference: at most 25 + 62 +
+// 12 bits and 77 + 12 + 9.
+inline double snapped_error(int32_t snapped, int bits, int128 numerator, int64_t w, int32_t size_level, int32_t size_0) {
   const int128 unit = int128(w) * size_0;
-  const int128 difference = (int128(2) * snapped + (int128(1) << bits)) * unit - (int128(numerator) * size_level << (bits + 1));
+  const int128 difference = (int128(2) * snapped + (int128(1) << bits)) * unit - (numerator * size_level << (bits + 1));
   const int128 size = difference < 0 ? -difference : difference;
   return double(static_cast<long double>(size) / (static_cast<long double>(unit) * static_cast<long double>(int64_t(1) << (bits + 1))));
 }

@@ -111,33 +111,46 @@ class stress_judge::span_under_test {
   span_under_test(const profile& p, const plane& m, span_at s) : prof{p}, map(m), at(s), cx_(16 * s.x + 8), cy_(16 * s.y + 8) {
     c_.last_level = last_level_judged + 1;
     if (m.w_at(cx_, cy_) <= 0) return;
-    const reference r = reference_at(m, cx_, cy_);
-    whole = span_coordinates(m, r, p, c_);
-    if (!whole) return;
-    w0_ = r.w;
-    set_levels(r, cx_, cy_);
+    whole = spantex::detail::coordinates_of_span(prof, {&m, nullptr, filter::trilinear}, cx_, cy_, reference_, c_);
+    if (whole) set_levels(cx_, cy_);
   }
 
   const span_coefficients& coefficients(int i, int j) {
-    if (!whole) {
-      reference_ = reference_at(map, hx(i), hy(j));
-      pixel_coordinates(reference_, prof.value, c_);
-      w0_ = reference_.w;
-    }
+    if (!whole) spantex::detail::coordinates_of_pixel(prof, {&map, nullptr, filter::trilinear}, hx(i), hy(j), reference_, c_);
     return c_;
   }
 
   // The same with the terms of a formula of the level of detail.
   const span_coefficients& with_levels(int i, int j, level_formula f) {
-    if (!whole) {
-      set_levels(reference_, hx(i), hy(j));
-      terms_[int(level_formula::major)].copy_to(c_);
-    }
+    if (!whole) set_levels(hx(i), hy(j));
     terms_[int(f)].copy_to(c_);
     return c_;
   }
 
-  int64_t w0() const { return w0_; }
+  // What the coefficients are made from, and the position of a pixel from there.
+  const reference& about() const { return reference_; }
+  int32_t dx(int i) const { return whole ? half_pixels(i) : 0; }
+  int32_t dy(int j) const { return whole ? half_pixels(j) : 0; }
+  int64_t w0() const { return reference_.w; }
+  int64_t w_of(int i, int j) const { return w0() + reference_.g * dx(i) + reference_.h * dy(j); }
+  int128 offset_u(int i, int j) const { return reference_.c_u + int128(reference_.a_u) * dx(i) + int128(reference_.b_u) * dy(j); }
+  int128 offset_v(int i, int j) const { return reference_.c_v + int128(reference_.a_v) * dx(i) + int128(reference_.b_v) * dy(j); }
+
+  // Levels by the same integers: the longer column of the Jacobian, texels per pixel (a pixel about itself takes the plane's), and K / W^2.
+  long double exact_jacobian_level(int i, int j) const {
+    if (!whole) return exact_level(map, hx(i), hy(j));
+    const reference& r = reference_;
+    const int128 w = w_of(i, j), u = offset_u(i, j), v = offset_v(i, j);
+    const auto column = [&](int64_t a, int64_t d, int64_t g) {
+      return std::hypot(static_cast<long double>(a * w - u * g), static_cast<long double>(d * w - v * g));
+    };
+    return std::log2(2 * std::fmax(column(r.a_u, r.a_v, r.g), column(r.b_u, r.b_v, r.h))) - 2 * std::log2(static_cast<long double>(w));
+  }
+  long double exact_major_axis_level(int i, int j) const {
+    return static_cast<long double>(map.major_log2) / 65536 -
+           2 * (std::log2(static_cast<long double>(w_of(i, j))) + static_cast<long double>(reference_.w_exponent));
+  }
+
   int32_t hx(int i) const { return cx_ + half_pixels(i); }
   int32_t hy(int j) const { return cy_ + half_pixels(j); }
 
@@ -153,30 +166,35 @@ class stress_judge::span_under_test {
     void copy_to(span_coefficients& c) const { std::copy_n(row, span_side, c.level_row), std::copy_n(column, span_side, c.level_column); }
   };
 
-  void set_levels(const reference& r, int32_t hx, int32_t hy) {
-    major_levels(map, r, c_);
+  void set_levels(int32_t hx, int32_t hy) {
+    major_levels(map, reference_, c_);
     terms_[int(level_formula::major)].copy_from(c_);
     if (whole)
       span_levels(prof.value, c_);
     else
-      pixel_levels(map, r, hx, hy, c_);
+      pixel_levels(map, hx, hy, c_);
     terms_[int(level_formula::jacobian)].copy_from(c_);
   }
 
   int32_t cx_, cy_;
-  int64_t w0_ = 0;
   reference reference_{};
   span_coefficients c_{};
   level_terms terms_[2];
 };
 
-// What the datapath makes of one pixel, and the exact numbers it stands for.
+// What the datapath makes of one pixel that is in front, and the exact numbers it stands for: the caller's where the profile keeps them, else
+// those of the plane's rounded forms.
 struct stress_judge::evaluated_pixel {
-  evaluated_pixel(span_under_test& of, int index)
-      : span(of), k(index), i(index % span_side), j(index / span_side), w(of.map.w_at(of.hx(i), of.hy(j))) {
+  evaluated_pixel(span_under_test& of, int index) : span(of), k(index), i(index % span_side), j(index / span_side) {
+    const int32_t hx = of.hx(i), hy = of.hy(j);
+    if (of.map.w_at(hx, hy) <= 0) return;
+    const exact_point exact = of.prof.value.exact_set_up
+                                  ? exact_at(of.map, hx, hy)
+                                  : exact_point{of.map.u_at(hx, hy), of.map.v_at(hx, hy), of.map.w_at(hx, hy)};
+    w = exact.w;
     if (w <= 0) return;
-    numerator[0] = span.map.u_at(span.hx(i), span.hy(j));
-    numerator[1] = span.map.v_at(span.hx(i), span.hy(j));
+    numerator[0] = exact.u;
+    numerator[1] = exact.v;
     c = &span.coefficients(i, j);
     at = position_at(span.prof, *c, i, j);
     for (const int axis : {0, 1}) counts[axis] = in_range(numerator[axis], w);
@@ -186,7 +204,8 @@ struct stress_judge::evaluated_pixel {
 
   span_under_test& span;
   int k, i, j;
-  int64_t w, numerator[2] = {};
+  int64_t w = 0;
+  int128 numerator[2] = {};
   const span_coefficients* c = nullptr;
   texel_position at{};
   bool counts[2] = {};
@@ -206,23 +225,23 @@ void stress_judge::note(stress_stage stage, double error, double bound, span_at 
   }
 }
 
-// n, relative w and 1/w of a pixel.
+// n, relative w and 1/w of a pixel, against the integers that its coefficients are made from.
 void stress_judge::judge_arithmetic(const evaluated_pixel& e) {
   const span_coefficients& c = *e.c;
   const int bits = e.span.prof.value.reciprocal_bits;
   const int128 w0 = e.span.w0();
   const double limit = e.span.whole ? bounds_.numerator[c.exponent] : bounds_.pixel_numerator;
   for (const bool v : {false, true}) {
-    if (!e.counts[v]) continue;
+    if (!e.counts[v] || !(v ? e.span.about().v_in_range : e.span.about().u_in_range)) continue;
     const int32_t n =
         (v ? numerator_at<run_time_profile>(c.c_v, c.a_v, c.b_v, e.i, e.j) : numerator_at<run_time_profile>(c.c_u, c.a_u, c.b_u, e.i, e.j))
             .raw();
-    const int128 exact = e.numerator[v] - int128(v ? c.base_v : c.base_u) * e.w;  // n = exact / w0
+    const int128 exact = v ? e.span.offset_v(e.i, e.j) : e.span.offset_u(e.i, e.j);  // n = exact / w0
     note(stress_stage::numerator, double(ratio(size_of(n * w0 - (exact << c.exponent)), w0 << c.exponent)), limit, e.span.at, e.k);
   }
   if (!e.span.whole) return;
-  const int128 w = w_at(e.span.prof, c, e.i, e.j);
-  note(stress_stage::relative_w, double(ratio(size_of(w * w0 - (int128(e.w) << bits)), w0 << bits)), bounds_.relative_w, e.span.at, e.k);
+  const int128 w = w_at(e.span.prof, c, e.i, e.j), exact = e.span.w_of(e.i, e.j);
+  note(stress_stage::relative_w, double(ratio(size_of(w * w0 - (exact << bits)), w0 << bits)), bounds_.relative_w, e.span.at, e.k);
   if (c.how != evaluation::divide) return;
   const int128 one = int128(1) << (2 * bits), product = w * reciprocal_of_w(uint32_t(w), bits);
   note(stress_stage::reciprocal, double(ratio(size_of(product - one), one)), bounds_.reciprocal, e.span.at, e.k);
@@ -258,15 +277,14 @@ void stress_judge::judge_out_of_range(const evaluated_pixel& e, bool v) {
 
 // Exact levels are logarithms of exact integers, in long double.
 void stress_judge::judge_levels(span_under_test& span, const evaluated_pixel& e) {
-  const int32_t hx = span.hx(e.i), hy = span.hy(e.j);
   const auto limited = [](long double level) { return std::clamp(level, 0.0L, static_cast<long double>(last_level_judged)); };
   const auto judge = [&](stress_stage stage, level_formula f, long double exact, double bound) {
     const long double computed =
         std::ldexp(static_cast<long double>(level_at(span.prof, span.with_levels(e.i, e.j, f), e.i, e.j)), -span.prof.value.level_bits);
     note(stage, double(std::fabs(limited(computed) - limited(exact))), bound, span.at, e.k);
   };
-  judge(stress_stage::level_jacobian, level_formula::jacobian, exact_level(span.map, hx, hy), bounds_.level);
-  judge(stress_stage::level_major, level_formula::major, exact_major_level(span.map, hx, hy), bounds_.major_level);
+  judge(stress_stage::level_jacobian, level_formula::jacobian, span.exact_jacobian_level(e.i, e.j), bounds_.level);
+  judge(stress_stage::level_major, level_formula::major, span.exact_major_axis_level(e.i, e.j), bounds_.major_level);
   const auto judge_log2 = [&](uint64_t x) {
     note(stress_stage::log2, double(std::fabs(static_cast<long double>(log2_16(x)) / 65536 - std::log2(static_cast<long double>(x)))),
          bounds_.log2, span.at, e.k);
@@ -325,11 +343,11 @@ stress_judge::signed_error stress_judge::judge_pixel(span_under_test& span, cons
       judge_out_of_range(e, v);
       continue;
     }
-    const auto error = double(ratio(int128(e.position(v).raw()) * e.w - (int128(e.numerator[v]) << 16), int128(e.w) << 16));
+    const auto error = double(ratio(int128(e.position(v).raw()) * e.w - (e.numerator[v] << 16), int128(e.w) << 16));
     (v ? result.v : result.u) = error;
     ++row_.evaluations;
     row_.adverse += adverse;
-    const bool saturates = (int128(e.numerator[v]) << 16) > int128(coordinate::raw_max()) * e.w;
+    const bool saturates = (e.numerator[v] << 16) > int128(coordinate::raw_max()) * e.w;
     const double limit = saturates ? bound + bounds_.saturation : bound;
     note(stage, std::fabs(error), limit, span.at, k);
     judge_axis(e, sampled, v, limit);
@@ -376,6 +394,8 @@ void stress_judge::judge_moved(const plane& map, span_at s) {
   plane moved = map;
   for (linear_form plane::*form : {&plane::u, &plane::v, &plane::w})
     (moved.*form).c = map.value(map.*form, map.origin_x + 16 * s.x, map.origin_y + 16 * s.y);
+  for (wide_form plane::*form : {&plane::exact_u, &plane::exact_v, &plane::exact_w})
+    (moved.*form).c = map.value(map.*form, map.origin_x + 16 * s.x, map.origin_y + 16 * s.y);
   span_under_test here(bounds_.prof, map, s), there(bounds_.prof, moved, {0, 0});
   for (int k = 0; k < span_pixel_count; ++k) {
     const evaluated_pixel a(here, k), b(there, k);
@@ -401,6 +421,13 @@ void stress_judge::judge_set_up(const exact_plane& exact, rectangle region, cons
   judge(exact.u, map.u);
   judge(exact.v, map.v);
   judge(exact.w, map.w);
+  if (map.dropped_bits <= 0) return;
+  const auto judge_kept = [&](const exact_form& f, const wide_form& kept) {
+    note(stress_stage::set_up, f.at(hx, hy) == int128_of(map.value(kept, hx, hy)) ? 0 : 1e30, 0, {hx / 16, hy / 16}, 0);
+  };
+  judge_kept(exact.u, map.exact_u);
+  judge_kept(exact.v, map.exact_v);
+  judge_kept(exact.w, map.exact_w);
 }
 
 }  // namespace spantex::sim

@@ -15,8 +15,8 @@ span_coefficients whole_map_coefficients(const Prof& prof, const surface& s, int
   c.last_level = uint8_t(s.texture->last_level());
   if (s.kind == filter::contour) c.contour = terms_of(s.texture->contour());
   if (s.map->w_at(cx, cy) > 0) {
-    const reference r = reference_at(*s.map, cx, cy);
-    if (spantex::detail::coordinates_of_span(s, r, q, c)) {
+    reference r;
+    if (spantex::detail::coordinates_of_span(prof, s, cx, cy, r, c)) {
       if (uses_area(s.kind)) return c;
       if (uses_footprint(s.kind)) span_axis(q, c);
       else formula_levels(q, *s.map, r, c);
@@ -24,10 +24,10 @@ span_coefficients whole_map_coefficients(const Prof& prof, const surface& s, int
     }
   }
   const int32_t hx = cx + half_pixels(i), hy = cy + half_pixels(j);
-  const reference r = reference_at(*s.map, hx, hy);
-  spantex::detail::coordinates_of_pixel(s, r, q, c);
+  reference r;
+  spantex::detail::coordinates_of_pixel(prof, s, hx, hy, r, c);
   if (uses_area(s.kind)) return c;
-  if (uses_footprint(s.kind)) pixel_axis(*s.map, r, q, hx, hy, c);
+  if (uses_footprint(s.kind)) pixel_axis(*s.map, q, hx, hy, c);
   else formula_levels_of_pixel(q, *s.map, r, hx, hy, c);
   return c;
 }

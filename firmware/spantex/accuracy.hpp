@@ -70,26 +70,32 @@ constexpr uint64_t evaluation_bound(const profile& p, int extent_log2, evaluatio
 // Set-up: |rounded form - exact| in half units of the form, dx, dy half pixels from its origin: three coefficients, each to nearest.
 constexpr int64_t set_up_half_units(int32_t dx, int32_t dy) { return int64_t(magnitude(dx)) + int64_t(magnitude(dy)) + 1; }
 
+// What is left of it in a coordinate where the profile looks after it (coordinates.hpp, rounding_is_small), else it is not counted: bounds are
+// then against the plane's rounded forms.
+constexpr uint64_t set_up_bound(const profile& p) { return p.exact_set_up ? detail::bound_power(-12) : 0; }
+
 // Numerator of a pixel evaluated about its own centre: one quotient below 1 texel with a cut of its own.
 constexpr uint64_t pixel_numerator_bound(const profile& p) {
   return detail::bound_power(-29) + detail::bound_power(-31) + detail::bound_power(-min_of(p.offset_bits - 2, max_exponent) - 1);
 }
 
-// End to end, |computed - exact| of a texture coordinate within s15.16, for spans that reach up to 2^extent_log2 texels, by how 1/w is
+// End to end, |computed - exact| of a texture coordinate within s15.16, against the caller's integers if exact_set_up, for spans that reach up to 2^extent_log2 texels, by how 1/w is
 // evaluated: w > 1/2 at a divide and where an affine span's reach is below the tolerance, else w > 3/4. Pixels about their own centre have no slopes.
 constexpr uint64_t affine_bound(const profile& p, int extent_log2) {
-  return evaluation_bound(p, extent_log2, evaluation::affine) + 2 * numerator_bound(p, extent_log2) +
+  return set_up_bound(p) + evaluation_bound(p, extent_log2, evaluation::affine) + 2 * numerator_bound(p, extent_log2) +
          2 * detail::bound_scaled(relative_w_bound(p), extent_log2);
 }
 constexpr uint64_t series_bound(const profile& p, int extent_log2) {
-  return evaluation_bound(p, extent_log2, evaluation::series) + 2 * numerator_bound(p, extent_log2) +
+  return set_up_bound(p) + evaluation_bound(p, extent_log2, evaluation::series) + 2 * numerator_bound(p, extent_log2) +
          2 * detail::bound_scaled(relative_w_bound(p), extent_log2);
 }
 constexpr uint64_t divide_bound(const profile& p, int extent_log2) {
-  return evaluation_bound(p, extent_log2, evaluation::divide) + 2 * numerator_bound(p, extent_log2) +
+  return set_up_bound(p) + evaluation_bound(p, extent_log2, evaluation::divide) + 2 * numerator_bound(p, extent_log2) +
          detail::bound_scaled(relative_w_bound(p), extent_log2 + 2);
 }
-constexpr uint64_t pixel_bound(const profile& p) { return detail::bound_power(-p.coordinate_bits - 1) + pixel_numerator_bound(p); }
+constexpr uint64_t pixel_bound(const profile& p) {
+  return set_up_bound(p) + detail::bound_power(-p.coordinate_bits - 1) + pixel_numerator_bound(p);
+}
 
 // In addition, for positions between the largest s15.16 and 2^15: they come out as that largest one at best.
 constexpr uint64_t saturation_bound() { return detail::bound_power(-16); }

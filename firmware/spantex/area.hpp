@@ -41,16 +41,19 @@ constexpr screen_offset area_corner(filter kind, int k) {
 // Coordinate part of a single pixel about its own centre, with slopes for its corners. Towards the horizon the footprint is clipped: it is
 // halved about its centre until w stays in (1/2, 3/2) and it reaches no more than 2^max_extent_log2 texels. Out of range it is the
 // square of +-2^10 texels for every half pixel: as good as the mean of the map.
-constexpr void pixel_area_coordinates(const plane& p, const reference& r, const profile& q, span_coefficients& c) {
+constexpr void pixel_area_coordinates(const reference& r, const profile& q, span_coefficients& c) {
   c.centred = true;
   for (int k = 0; k < 62; ++k) {
     const auto halved = [k](int64_t slope) { return shift_right_symmetric(slope, k); };
     reference clipped = r;
+    clipped.slope_drop = 0;  // what was dropped is clipped already
     clipped.a_u = halved(r.a_u);
     clipped.b_u = halved(r.b_u);
     clipped.a_v = halved(r.a_v);
     clipped.b_v = halved(r.b_v);
-    if (coordinates_within(2, {halved(p.w.x), halved(p.w.y)}, clipped, q, false, c)) return;
+    clipped.g = halved(r.g);
+    clipped.h = halved(r.h);
+    if (coordinates_within(2, clipped, q, false, c)) return;
     if (!r.u_in_range || !r.v_in_range) break;
   }
   pixel_coordinates(r, q, c);

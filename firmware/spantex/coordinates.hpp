@@ -30,8 +30,14 @@ struct reference {
   int64_t w;
   int32_t base_u, base_v;          // nearest whole texel, give or take 2^-14
   int64_t c_u, a_u, b_u, c_v, a_v, b_v;
+  int64_t g, h;                    // slopes of w
   bool u_in_range, v_in_range;     // |u|, |v| < 2^15 there
+  int w_exponent;                  // W of the plane = w 2^w_exponent
+  int slope_drop;                  // a, b, g, h are 2^-slope_drop of what they should be: too steep for a span
 };
+
+// log2 W in the plane's scale, s.16.
+constexpr int32_t log2_of_w(const reference& r) { return log2_16(uint64_t(r.w)) + r.w_exponent * (1 << 16); }
 
 namespace detail {
 
@@ -63,14 +69,80 @@ constexpr reference reference_at(const plane& p, int32_t hx, int32_t hy) {
   r.c_v = nv - r.base_v * r.w;
   r.a_v = p.v.x - r.base_v * p.w.x;
   r.b_v = p.v.y - r.base_v * p.w.y;
+  r.g = p.w.x;
+  r.h = p.w.y;
   return r;
+}
+
+inline constexpr int set_up_tolerance_bits = 12;  // what set-up's rounding may move a coordinate by: 2^-12 texel
+
+// Whether it moves no coordinate with |u|, |v| < 2^reach_bits by more, evaluated about a point where W is `w`: by at most
+// d (1 + |u|) / W, W >= w/2 on a span, d half units for each of a form's coefficients (ACCURACY 1).
+constexpr bool rounding_is_small(const plane& p, int64_t w, int reach_bits) {
+  return p.rounding_bits == 0 || p.rounding_bits + reach_bits + set_up_tolerance_bits < bit_length(uint64_t(w));
+}
+
+// Bits of 1 + |u| or |v| up to `extent` texels from the bases of a point; beyond the range its end counts.
+constexpr int reach_bits(const reference& r, int32_t extent) {
+  const int32_t u = r.base_u < 0 ? -r.base_u : r.base_u, v = r.base_v < 0 ? -r.base_v : r.base_v;
+  return bit_length(uint64_t((u > v ? u : v) + extent + 2));
+}
+
+namespace detail {
+
+inline constexpr int exact_w_bits = 45, exact_slope_bits = 57;
+
+// One coordinate from the exact forms about a point, cut like W.
+struct exact_axis { int32_t base; bool in_range; wide c, a, b; };
+constexpr exact_axis exact_axis_at(const plane& p, const wide_form& f, int32_t hx, int32_t hy, wide w, const reference& r, int cut) {
+  exact_axis x{0, true, {}, {}, {}};
+  const wide n = p.value(f, hx, hy);
+  if (bit_length(n) - cut > 62) return {n.negative() ? -32767 : 32767, false, {}, {}, {}};
+  x.base = whole_quotient(to_int64(scale_down(n, cut)), r.w, r.inverse_w, x.in_range);
+  if (!x.in_range) return x;
+  x.c = n - multiply(w, x.base);
+  x.a = f.x - multiply(p.exact_w.x, x.base);
+  x.b = f.y - multiply(p.exact_w.y, x.base);
+  return x;
+}
+
+}  // namespace detail
+
+// The same from the forms before they were rounded: exact, then rounded to 45 bits of W. False if W is not positive by them. An axis out of
+// range keeps only its sign.
+constexpr bool exact_reference_at(const plane& p, int32_t hx, int32_t hy, reference& out) {
+  const wide w = p.value(p.exact_w, hx, hy);
+  if (w.negative() || w.zero()) return false;
+  const int cut = max_of(0, bit_length(w) - detail::exact_w_bits);
+  reference r{};
+  r.w = to_int64(scale_down(w, cut));
+  r.inverse_w = invert(r.w);
+  r.w_exponent = cut - p.dropped_bits;
+  const detail::exact_axis u = detail::exact_axis_at(p, p.exact_u, hx, hy, w, r, cut), v = detail::exact_axis_at(p, p.exact_v, hx, hy, w, r, cut);
+  r.base_u = u.base;
+  r.u_in_range = u.in_range;
+  r.base_v = v.base;
+  r.v_in_range = v.in_range;
+  const wide slopes[] = {u.a, u.b, v.a, v.b, p.exact_w.x, p.exact_w.y};
+  int steepest = 0;
+  for (const wide& s : slopes) steepest = max_of(steepest, bit_length(s));
+  r.slope_drop = max_of(0, steepest - cut - detail::exact_slope_bits);
+  const auto offset = [&](wide x) { return to_int64(scale_down(x, cut)); };
+  const auto slope = [&](wide x) { return to_int64(scale_down(x, cut + r.slope_drop)); };
+  r.c_u = offset(u.c);
+  r.a_u = slope(u.a);
+  r.b_u = slope(u.b);
+  r.c_v = offset(v.c);
+  r.a_v = slope(v.a);
+  r.b_v = slope(v.b);
+  r.g = slope(p.exact_w.x);
+  r.h = slope(p.exact_w.y);
+  out = r;
+  return true;
 }
 
 // Half pixels from the centre to the outermost pixel centres.
 inline constexpr int reach = span_side - 1;
-
-// Slopes of W per half pixel.
-struct w_slopes { int64_t g, h; };
 
 inline constexpr int series_bits = 14;        // e and q of the series: 16-bit numbers in 2^(slope_log2 - 14)
 inline constexpr int least_slope_log2 = -15;  // flatter spans count as this
@@ -100,9 +172,9 @@ constexpr void choose_evaluation(const profile& q, int farthest, int extent_log2
 
 // Fills the coordinate part of the coefficients about a reference point, for positions up to `farthest` half pixels from it. False if w
 // leaves (1/2, 3/2) there, u or v is out of range, or they reach more than 2^max_extent_log2 texels.
-constexpr bool coordinates_within(int farthest, w_slopes of_w, const reference& r, const profile& q, bool may_be_series, span_coefficients& c) {
-  if (!r.u_in_range || !r.v_in_range) return false;
-  const uint64_t slope = uint64_t(farthest) * (magnitude(of_w.g) + magnitude(of_w.h));
+constexpr bool coordinates_within(int farthest, const reference& r, const profile& q, bool may_be_series, span_coefficients& c) {
+  if (!r.u_in_range || !r.v_in_range || r.slope_drop > 0) return false;
+  const uint64_t slope = uint64_t(farthest) * (magnitude(r.g) + magnitude(r.h));
   if (slope >= uint64_t(r.w) / 2 - uint64_t(r.w) / 256) return false;  // the margin keeps the rounded w in (1/2, 3/2) as well
   const uint64_t extent_u = magnitude(r.c_u) + uint64_t(farthest) * (magnitude(r.a_u) + magnitude(r.b_u));
   const uint64_t extent_v = magnitude(r.c_v) + uint64_t(farthest) * (magnitude(r.a_v) + magnitude(r.b_v));
@@ -121,16 +193,16 @@ constexpr bool coordinates_within(int farthest, w_slopes of_w, const reference& 
   c.a_v = quotient(r.a_v, drop, r.inverse_w, exponent);
   c.b_v = quotient(r.b_v, drop, r.inverse_w, exponent);
   const int slope_drop = max_of(0, bit_length(slope) - 31);
-  c.g = quotient(of_w.g, slope_drop, r.inverse_w, q.reciprocal_bits);
-  c.h = quotient(of_w.h, slope_drop, r.inverse_w, q.reciprocal_bits);
+  c.g = quotient(r.g, slope_drop, r.inverse_w, q.reciprocal_bits);
+  c.h = quotient(r.h, slope_drop, r.inverse_w, q.reciprocal_bits);
   c.exponent = int8_t(exponent);
   choose_evaluation(q, farthest, extent_log2, may_be_series, c);
   return true;
 }
 
 // Of a span about its centre. False if it must be evaluated pixel by pixel.
-constexpr bool span_coordinates(const plane& p, const reference& r, const profile& q, span_coefficients& c) {
-  return coordinates_within(reach, {p.w.x, p.w.y}, r, q, true, c);
+constexpr bool span_coordinates(const reference& r, const profile& q, span_coefficients& c) {
+  return coordinates_within(reach, r, q, true, c);
 }
 
 // Fills the coordinate part for a single pixel about its own centre: the same position wherever it is evaluated.

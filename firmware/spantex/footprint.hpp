@@ -119,15 +119,16 @@ constexpr void span_axis(const profile& q, span_coefficients& c) {
   c.axis = detail::axis_of(q, j, slope(c.a_u, c.h) - slope(c.b_u, c.g), slope(c.a_v, c.h) - slope(c.b_v, c.g), c.exponent);
 }
 
-// Of a single pixel about its own centre, from the exact plane: W^2 J over W^2.
-constexpr void pixel_axis(const plane& p, const reference& r, const profile& q, int32_t hx, int32_t hy, span_coefficients& c) {
+// Of a single pixel about its own centre, from the plane's forms: W^2 J over W^2.
+constexpr void pixel_axis(const plane& p, const profile& q, int32_t hx, int32_t hy, span_coefficients& c) {
   const scaled_gradients g = scaled_gradients_at(p, hx, hy);
+  const inverse over_w = invert(p.w_at(hx, hy));
   // 1/W twice: 32 significant bits each. W^2 J = g 2^drop; J = g y y 2^(drop - 2 (63 + e)).
   const auto over_w2 = [&](int64_t x) {
-    return shift_right_symmetric(shift_right_symmetric(x * int64_t(r.inverse_w.y >> 1), 31) * int64_t(r.inverse_w.y >> 1), 31);
+    return shift_right_symmetric(shift_right_symmetric(x * int64_t(over_w.y >> 1), 31) * int64_t(over_w.y >> 1), 31);
   };
   const jacobian j{over_w2(g.ux), over_w2(g.uy), over_w2(g.vx), over_w2(g.vy)};
-  c.axis = detail::axis_of(q, j, 0, 0, 62 + 2 * r.inverse_w.exponent - g.drop);
+  c.axis = detail::axis_of(q, j, 0, 0, 62 + 2 * over_w.exponent - g.drop);
 }
 
 // --- datapath side -------------------------------------------------------------------------------------

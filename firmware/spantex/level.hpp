@@ -56,22 +56,22 @@ constexpr void span_levels(const profile& q, span_coefficients& c) {
   }
 }
 
-// Terms of a single pixel about its own centre, from the exact plane.
-constexpr void pixel_levels(const plane& p, const reference& r, int32_t hx, int32_t hy, span_coefficients& c) {
+// Terms of a single pixel about its own centre, from the plane's forms.
+constexpr void pixel_levels(const plane& p, int32_t hx, int32_t hy, span_coefficients& c) {
   const gradient_logs g = gradient_logs_at(p, hx, hy);
-  const int32_t per_pixel = (1 << 16) - 2 * log2_16(uint64_t(r.w));
+  const int32_t per_pixel = (1 << 16) - 2 * log2_16(uint64_t(p.w_at(hx, hy)));
   detail::fill(c.level_row, detail::level_term(g.x + per_pixel));
   detail::fill(c.level_column, detail::level_term(g.y + per_pixel));
 }
 
 // KT88: the same for every row and column.
 constexpr void major_levels(const plane& p, const reference& r, span_coefficients& c) {
-  const int16_t term = detail::level_term(p.major_log2 - 2 * log2_16(uint64_t(r.w)));
+  const int16_t term = detail::level_term(p.major_log2 - 2 * log2_of_w(r));
   detail::fill(c.level_row, term);
   detail::fill(c.level_column, term);
 }
 constexpr void minor_levels(const plane& p, const reference& r, span_coefficients& c) {
-  const int16_t term = detail::level_term(p.minor_log2 - log2_16(uint64_t(r.w)));
+  const int16_t term = detail::level_term(p.minor_log2 - log2_of_w(r));
   detail::fill(c.level_row, term);
   detail::fill(c.level_column, term);
 }
@@ -90,7 +90,7 @@ constexpr void formula_levels_of_pixel(const profile& q, const plane& p, const r
   switch (q.formula) {
     case level_formula::major: return major_levels(p, r, c);
     case level_formula::minor: return minor_levels(p, r, c);
-    case level_formula::jacobian: return pixel_levels(p, r, hx, hy, c);
+    case level_formula::jacobian: return pixel_levels(p, hx, hy, c);
   }
 }
 

@@ -100,8 +100,8 @@ struct grid_pitch { uint32_t mantissa; int exponent; };
 struct object_grid {
   object_rotation axes;
   grid_pitch pitch;
-  detail::wide_form x, y, z;  // screen x z, y z (pixels) and z (camera units), 72 fraction bits
-  detail::wide_form u, v;     // texture coordinates times tex_w
+  wide_form x, y, z;  // screen x z, y z (pixels) and z (camera units), 72 fraction bits
+  wide_form u, v;     // texture coordinates times tex_w
   wide tex_w;
   int32_t width, height;      // samples
   int32_t near_z, far_z;      // s15.16: samples are taken between
@@ -365,7 +365,7 @@ struct object_space_counters {
 namespace detail {
 
 // Positions on the screen: a 256th of a pixel is plenty for 6 bits, the cheap evaluations serve often.
-inline constexpr profile screen_positions{.coordinate_bits = 10, .tolerance_bits = 8};
+inline constexpr profile screen_positions{.coordinate_bits = 10, .tolerance_bits = 8, .exact_set_up = false};
 static_assert(coordinate_bound(screen_positions) <= error_unit / 128, "far within the 1/32 pixel that the pitch leaves for rounding");
 
 inline constexpr int max_grid_forms = max_edges + 6;
@@ -528,7 +528,7 @@ class object_space_renderer {
     const int32_t cx = 2 * span_side * sx + span_side, cy = 2 * span_side * sy + span_side;
     span_coefficients c{};
     bool whole = false;
-    if (screen.w_at(cx, cy) > 0) whole = span_coordinates(screen, reference_at(screen, cx, cy), q, c);
+    if (screen.w_at(cx, cy) > 0) whole = span_coordinates(reference_at(screen, cx, cy), q, c);
     counters_.divides += whole ? 1 : 0;
     for (; mask != 0; mask &= mask - 1) {
       const int bit = __builtin_ctzll(mask), i = bit % span_side, j = bit / span_side;

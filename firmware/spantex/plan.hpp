@@ -349,13 +349,32 @@ constexpr void fix_levels(int16_t level, span_coefficients& c) {
 }
 
 // Coordinates of a span about its centre; false if its pixels must be evaluated one by one.
-constexpr bool coordinates_of_span(const surface& s, const reference& r, const profile& q, span_coefficients& c) {
-  if (uses_area(s.kind)) return coordinates_within(area_reach, {s.map->w.x, s.map->w.y}, r, q, false, c);
-  return span_coordinates(*s.map, r, q, c);
+// From the plane's forms; from those before set-up's rounding where that could show.
+template <class Prof>
+constexpr bool coordinates_of_span(const Prof& prof, const surface& s, int32_t hx, int32_t hy, reference& r, span_coefficients& c) {
+  const profile& q = prof.get();
+  const auto whole = [&] { return uses_area(s.kind) ? coordinates_within(area_reach, r, q, false, c) : span_coordinates(r, q, c); };
+  r = reference_at(*s.map, hx, hy);
+  if (!whole()) return false;
+  if constexpr (Prof::has_exact_set_up) {
+    const int32_t extent = int32_t(2) << max_of(0, q.offset_bits - 1 - c.exponent);  // n/w, w > 1/2
+    if (q.exact_set_up && !rounding_is_small(*s.map, r.w, reach_bits(r, extent))) return exact_reference_at(*s.map, hx, hy, r) && whole();
+  }
+  return true;
 }
 
-constexpr void coordinates_of_pixel(const surface& s, const reference& r, const profile& q, span_coefficients& c) {
-  if (uses_area(s.kind)) pixel_area_coordinates(*s.map, r, q, c);
+template <class Prof>
+constexpr void coordinates_of_pixel(const Prof& prof, const surface& s, int32_t hx, int32_t hy, reference& r, span_coefficients& c) {
+  const profile& q = prof.get();
+  r = reference_at(*s.map, hx, hy);
+  if constexpr (Prof::has_exact_set_up) {
+    const int32_t extent = uses_area(s.kind) ? 2 << max_extent_log2 : 0;
+    if (q.exact_set_up && !rounding_is_small(*s.map, r.w, reach_bits(r, extent))) {
+      const reference rounded = r;  // serves a pixel that is in front by the rounded W alone
+      if (!exact_reference_at(*s.map, hx, hy, r)) r = rounded;
+    }
+  }
+  if (uses_area(s.kind)) pixel_area_coordinates(r, q, c);
   else pixel_coordinates(r, q, c);
 }
 
@@ -385,8 +404,8 @@ constexpr status plan_span(const Prof& prof, const surface& s, int32_t sx, int32
   span_job job{detail::blank_coefficients(s), mask, {}, {}, 1, true};
   span_coefficients& c = job.coefficients;
   if (s.map->w_at(cx, cy) > 0) {
-    const reference r = reference_at(*s.map, cx, cy);
-    if (detail::coordinates_of_span(s, r, q, c)) {
+    reference r;
+    if (detail::coordinates_of_span(prof, s, cx, cy, r, c)) {
       if (uses_footprint(s.kind)) {
         span_axis(q, c);
       } else if (uses_levels(s.kind) && !uses_area(s.kind)) {
@@ -401,11 +420,11 @@ constexpr status plan_span(const Prof& prof, const surface& s, int32_t sx, int32
   for (span_mask rest = mask; rest != 0; rest &= rest - 1) {
     const int k = __builtin_ctzll(rest);
     const int32_t hx = cx + half_pixels(k % span_side), hy = cy + half_pixels(k / span_side);
-    const reference r = reference_at(*s.map, hx, hy);
     job = {detail::blank_coefficients(s), span_mask(1) << k, {}, {}, 1, true};
-    detail::coordinates_of_pixel(s, r, q, c);
+    reference r;
+    detail::coordinates_of_pixel(prof, s, hx, hy, r, c);
     if (uses_footprint(s.kind)) {
-      pixel_axis(*s.map, r, q, hx, hy, c);
+      pixel_axis(*s.map, q, hx, hy, c);
     } else if (uses_levels(s.kind) && !uses_area(s.kind)) {
       if (s.fixed_level != no_fixed_level) detail::fix_levels(s.fixed_level, c);
       else formula_levels_of_pixel(q, *s.map, r, hx, hy, c);

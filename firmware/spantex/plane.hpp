@@ -3,7 +3,8 @@
 //
 // Screen positions are in half pixels, so that pixel centres and span centres are both whole numbers: pixel (i, j) has its
 // centre at (2i+1, 2j+1), the centre of span (I, J) lies at (16I+8, 16J+8). Coefficients are integers with one
-// common scale, exact from here on: |Nu|, |Nv| < 2^59 and |W| < 2^45 over the plane's region (plus at most 2^13 by rounding).
+// common scale: |Nu|, |Nv| < 2^59 and |W| < 2^45 over the plane's region (plus at most 2^13 by rounding). What that rounding dropped is kept
+// beside them, for spans where it would show (coordinates.hpp).
 #pragma once
 #include <stdint.h>
 
@@ -37,14 +38,25 @@ struct linear_form {
   int64_t x, y, c;
 };
 
+// The same of 128 bits.
+struct wide_form {
+  wide x, y, c;
+};
+
 struct plane {
   linear_form u, v, w;
   int32_t origin_x, origin_y;  // half pixels
   int32_t major_log2;          // KT88's log2 K in the scale of w, s15.16: level = major_log2 - 2 log2 W
   int32_t minor_log2 = 0;      // likewise log2 K': level of the minor axis = minor_log2 - log2 W
+  wide_form exact_u{}, exact_v{}, exact_w{};  // the forms before they were rounded, 2^dropped_bits times theirs; if any bits were dropped
+  int16_t dropped_bits = 0;                   // 0 or less: u, v, w are exact
+  int16_t rounding_bits = 0;                  // within the region and 16 pixels around a form is off by less than 2^(rounding_bits - 1) units
 
   constexpr int64_t value(const linear_form& f, int32_t hx, int32_t hy) const {
     return f.c + f.x * (hx - origin_x) + f.y * (hy - origin_y);
+  }
+  constexpr wide value(const wide_form& f, int32_t hx, int32_t hy) const {
+    return f.c + multiply(f.x, hx - origin_x) + multiply(f.y, hy - origin_y);
   }
   constexpr int64_t u_at(int32_t hx, int32_t hy) const { return value(u, hx, hy); }
   constexpr int64_t v_at(int32_t hx, int32_t hy) const { return value(v, hx, hy); }
@@ -59,10 +71,6 @@ struct homography {
 };
 
 namespace detail {
-
-struct wide_form {
-  wide x, y, c;
-};
 
 // From pixels to half pixels about (ox, oy): x stays, c doubles and moves.
 constexpr wide_form about(wide x, wide y, wide c, int32_t ox, int32_t oy) {
@@ -151,6 +159,13 @@ constexpr status normalise(const homography& m, rectangle region, plane& out, in
   if (w_bits == 0) return status::degenerate;
   drop = max_of(max_of(bound_bits(u, rx, ry), bound_bits(v, rx, ry)) - 59, w_bits - 45);
   plane p{narrowed(u, drop), narrowed(v, drop), narrowed(w, drop), ox, oy, 0};
+  if (drop > 0) {
+    p.exact_u = u;
+    p.exact_v = v;
+    p.exact_w = w;
+    p.dropped_bits = int16_t(drop);
+    p.rounding_bits = int16_t(bit_length(uint64_t(rx + ry + 1)));  // three coefficients, half a unit each
+  }
   // Anchor of KT88's formula: the region's middle if it is in front of the viewer, else its nearest corner (largest W).
   int32_t ax = ox, ay = oy;
   if (p.w_at(ax, ay) <= 0) {
@@ -168,7 +183,7 @@ constexpr status normalise(const homography& m, rectangle region, plane& out, in
 
 // Normalises a homography for use within `region` (pixels). Errors: degenerate if W is zero everywhere or not positive where it
 // is largest in the region; bad_size if the region is empty or leaves the screen limits.
-// Rounding: every coefficient once, to nearest, at 2^-59 of the largest numerator or 2^-45 of the largest divisor.
+// Rounding: every coefficient once, to nearest, at 2^-59 of the largest numerator or 2^-45 of the largest divisor; the exact ones are kept.
 constexpr status make_plane(const homography& m, rectangle region, plane& out) {
   int drop = 0;
   return detail::normalise(m, region, out, drop);

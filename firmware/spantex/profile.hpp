@@ -43,6 +43,8 @@ struct profile {
   int sample_bias = -8;                             // s3.4: added to the level of a footprint's minor axis, in 1/16 level (-16 to 0)
   int area_side_log2 = 4;                           // filters step, hat: a footprint lies within 2^this texels a side (1 to 4)
   bool contours = true;                             // filter contour; false leaves its code out: alpha comes as from trilinear
+  bool exact_set_up = true;                         // coordinates keep their bound against the caller's integers where set-up's rounding would
+                                                    // show (near the horizon, far from the origin); false leaves the code out
   bool linear_light = true;                         // sRGB maps in linear light; false leaves code and table out: filtered as coded
   rounding position_rounding = rounding::nearest;   // when a position is snapped to subtexel_bits
   rounding colour_rounding = rounding::even;        // at write-out, and of means: halves are the rule with weights of 1/2 and 1/4
@@ -67,12 +69,12 @@ namespace profiles {
 // VR11's own machine: 8x8 + 4x4 texels, 2560 bits a copy, clamping correction, KT88 level of detail, one integer level a span.
 inline constexpr profile seed{.fine_side = 8, .overflow = overflow_policy::clamp, .scope = level_scope::span,
                               .formula = level_formula::major, .coordinate_bits = 12, .offset_bits = 23,
-                              .reciprocal_bits = 22, .tolerance_bits = 8};
+                              .reciprocal_bits = 22, .tolerance_bits = 8, .exact_set_up = false};
 
 // 32-bit products only: 16-bit numerators and reciprocals.
 inline constexpr profile compact{.fine_side = 8, .overflow = overflow_policy::coarser, .coordinate_bits = 10,
                                  .offset_bits = 15, .reciprocal_bits = 14, .tolerance_bits = 7, .subtexel_bits = 6,
-                                 .level_bits = 6, .blend_bits = 8};
+                                 .level_bits = 6, .blend_bits = 8, .exact_set_up = false};
 
 // Quality for its cost: the longest tolerance that keeps the promise of 1/256 texel, colours of 15 bits between levels.
 inline constexpr profile standard{.fine_side = 16, .coordinate_bits = 14, .tolerance_bits = 8, .subtexel_bits = 7, .blend_bits = 7};
@@ -89,7 +91,7 @@ struct fixed_profile {
   static constexpr int max_fine_side = P.fine_side;
   static constexpr int max_offset_bits = P.offset_bits;
   static constexpr int max_reciprocal_bits = P.reciprocal_bits;
-  static constexpr bool has_contours = P.contours, has_linear_light = P.linear_light;
+  static constexpr bool has_contours = P.contours, has_linear_light = P.linear_light, has_exact_set_up = P.exact_set_up;
   constexpr const profile& get() const { return value; }
   static constexpr profile value = P;
 };
@@ -99,7 +101,7 @@ struct run_time_profile {
   static constexpr int max_fine_side = 32;
   static constexpr int max_offset_bits = 31;
   static constexpr int max_reciprocal_bits = 30;
-  static constexpr bool has_contours = true, has_linear_light = true;
+  static constexpr bool has_contours = true, has_linear_light = true, has_exact_set_up = true;
   constexpr const profile& get() const { return value; }
   profile value;
 };

@@ -80,7 +80,7 @@ numbers span_of(const numbers& x) {
   const plane p = plane_of(x, 4);
   const reference r = reference_at(p, 0, 0);
   span_coefficients c{};
-  if (!span_coordinates(p, r, with(x[0], x[1], x[2], x[3]).value, c)) return {0};
+  if (!span_coordinates(r, with(x[0], x[1], x[2], x[3]).value, c)) return {0};
   return {1, c.base_u, c.base_v, c.c_u, c.a_u, c.b_u, c.c_v, c.a_v, c.b_v, c.g, c.h, c.exponent, int(c.how), c.slope_log2, c.terms};
 }
 
