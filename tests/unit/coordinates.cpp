@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Texture coordinates against Nu/W as an exact fraction: every position is compared by cross-multiplication in 128 bits.
+#include <sim/exact.hpp>
 #include <tests/support.hpp>
 
 using namespace spantex;
@@ -13,8 +14,8 @@ struct coordinate_statistics {
   int64_t worst_by_how[3] = {};
 
   // |raw / 2^16 - n / w| in 2^-24 texel, rounded up.
-  static int64_t error(int64_t raw, int64_t n, int64_t w) {
-    const int128 difference = magnitude_of(int128(raw) * w - (int128(n) << 16));
+  static int64_t error(int64_t raw, int128 n, int64_t w) {
+    const int128 difference = magnitude_of(int128(raw) * w - (n << 16));
     return int64_t((difference * 256 + w - 1) / w);
   }
   void note(int64_t e, const span_coefficients& c) {
@@ -32,7 +33,12 @@ struct coordinate_statistics {
 };
 
 // Within +-2^15 texels, exactly.
-bool is_in_range(int64_t n, int64_t w) { return magnitude_of(n) < int128(w) << 15; }
+bool is_in_range(int128 n, int64_t w) { return magnitude_of(n) < int128(w) << 15; }
+
+// The caller's integers where the profile answers for them.
+exact_point truth_at(const profile& q, const plane& p, int32_t hx, int32_t hy) {
+  return q.exact_set_up ? exact_at(p, hx, hy) : exact_point{p.u_at(hx, hy), p.v_at(hx, hy), p.w_at(hx, hy)};
+}
 
 template <class Prof>
 void measure_span(const Prof& prof, const plane& p, const texture_view& t, int32_t sx, int32_t sy, coordinate_statistics& s) {
@@ -46,7 +52,8 @@ void measure_span(const Prof& prof, const plane& p, const texture_view& t, int32
     for (span_mask rest = job.mask; rest != 0; rest &= rest - 1) {
       const int k = __builtin_ctzll(rest), i = k % span_side, j = k / span_side;
       const int32_t hx = 2 * (sx * span_side + i) + 1, hy = 2 * (sy * span_side + j) + 1;
-      const int64_t w = p.w_at(hx, hy), nu = p.u_at(hx, hy), nv = p.v_at(hx, hy);
+      const auto [nu, nv, w] = truth_at(prof.get(), p, hx, hy);
+      if (w <= 0) continue;  // in front by the rounded W alone
       const texel_position at = position_at(prof, job.coefficients, i, j);
       if (is_in_range(nu, w)) s.note(coordinate_statistics::error(at.u.raw(), nu, w), job.coefficients);
       if (is_in_range(nv, w)) s.note(coordinate_statistics::error(at.v.raw(), nv, w), job.coefficients);
@@ -262,8 +269,144 @@ SPANTEX_CASE(magnified_positions_are_the_same_in_short_and_in_long_words) {
   check_magnified<profiles::exact>();
 }
 
+namespace {
+
+// W falls to 2^-5 to 2^-20 of its largest value at a pixel where u and v lie near whole numbers of up to 2^15.
+struct far_place {
+  homography m;
+  int32_t x, y;
+};
+far_place random_far_place(random_source& random) {
+  const auto scaled = [](wide x, int bits) { return shift_left(x, bits); };
+  far_place f{{}, int32_t(random.next() % 4000), int32_t(random.next() % 4000)};
+  const int small = int(random.between(45, 80)), steep = int(random.between(25, 41));  // bits of W there, of up to 93, and of its slopes over 40
+  const auto slope = [&] { return scaled(wide(random.between(-(int64_t(1) << 39), int64_t(1) << 39)), steep + 1); };
+  const wide g = slope(), h = slope(), w = scaled(wide(random.between(1 << 20, 1 << 21)), small - 21);
+  // Over pixel centres: (2 x + 1) / 2.
+  const auto from_place = [&](wide x, wide y) { return shift_right_floor(multiply(x, 2 * f.x + 1) + multiply(y, 2 * f.y + 1), 1); };
+  const wide i = w - from_place(g, h);
+  const auto numerator = [&](wide& a, wide& b, wide& c) {
+    const int64_t base = random.between(-32700, 32700);
+    const wide da = scaled(wide(random.between(-(1 << 20), 1 << 20)), small - 24), db = scaled(wide(random.between(-(1 << 20), 1 << 20)), small - 24);
+    a = multiply(g, base) + da;
+    b = multiply(h, base) + db;
+    c = multiply(i, base) - from_place(da, db);
+  };
+  numerator(f.m.a, f.m.b, f.m.c);
+  numerator(f.m.d, f.m.e, f.m.f);
+  f.m.g = g;
+  f.m.h = h;
+  f.m.i = i;
+  return f;
+}
+
+// By the matrix itself, not by what the plane keeps of it; cut to 62 bits of W.
+exact_point by_matrix(const homography& m, int32_t hx, int32_t hy) {
+  const auto at = [&](wide a, wide b, wide c) { return int128_of(a) * hx + int128_of(b) * hy + 2 * int128_of(c); };
+  const int128 w = at(m.g, m.h, m.i);
+  const int cut = w > 0 && bits_of(w) > 62 ? bits_of(w) - 62 : 0;
+  return {at(m.a, m.b, m.c) >> cut, at(m.d, m.e, m.f) >> cut, int64_t(w >> cut)};
+}
+
+template <profile P>
+coordinate_statistics measure_far_places(double& largest_share) {
+  const fixed_profile<P> prof;
+  const texture_view t = unread_view(4096, 4096);
+  coordinate_statistics s;
+  random_source random(36);
+  largest_share = 0;
+  for (int k = 0; k < 400; ++k) {
+    const far_place f = random_far_place(random);
+    plane p{};
+    if (make_plane(f.m, {0, 0, 4096, 4096}, p) != status::ok) continue;
+    const surface what{&p, &t, filter::nearest};
+    for (int32_t n = 0; n < 9; ++n) {
+      const int32_t sx = clamp_to(f.x / 8 + n % 3 - 1, 0, 511), sy = clamp_to(f.y / 8 + n / 3 - 1, 0, 511);
+      const span_mask front = front_mask(p, sx, sy);
+      if (front == 0) continue;
+      SPANTEX_ASSERT_OK(plan_span(prof, what, sx, sy, front, [&](span_job& job) {
+        const span_coefficients& c = job.coefficients;
+        const bool single = (c.a_u | c.b_u | c.a_v | c.b_v | c.g | c.h) == 0;
+        const double bound = double(single ? pixel_bound(P) : coordinate_bound(P, P.offset_bits - 1 - c.exponent)) / double(error_unit);
+        for (span_mask rest = job.mask; rest != 0; rest &= rest - 1) {
+          const int bit = __builtin_ctzll(rest), i = bit % span_side, j = bit / span_side;
+          const exact_point e = by_matrix(f.m, 2 * (sx * span_side + i) + 1, 2 * (sy * span_side + j) + 1);
+          if (e.w <= 0) continue;
+          const texel_position at = position_at(prof, c, i, j);
+          for (const auto& [raw, n128] : {std::pair(at.u.raw(), e.u), std::pair(at.v.raw(), e.v)}) {
+            if (!is_in_range(n128, e.w)) continue;
+            s.note(coordinate_statistics::error(raw, n128, e.w), c);
+            largest_share = std::fmax(largest_share, coordinate_error(raw, n128, e.w) / bound);
+          }
+        }
+        return status::ok;
+      }));
+    }
+  }
+  return s;
+}
+
+constexpr profile with_rounded_set_up(profile p) {
+  p.exact_set_up = false;
+  return p;
+}
+
+}  // namespace
+
+// Far from the origin and near the horizon, against rational arithmetic on the caller's matrix: within the bound; without the exact forms the
+// same spans are whole texels off.
+SPANTEX_CASE(the_callers_integers_count_where_w_is_small) {
+  double share = 0;
+  const coordinate_statistics exact = measure_far_places<profiles::exact>(share);
+  exact.print("exact, small W");
+  assert_true(exact.evaluations > 50000 && share <= 1);
+  const coordinate_statistics standard = measure_far_places<profiles::standard>(share);
+  standard.print("default, small W");
+  assert_true(share <= 1);
+  const coordinate_statistics rounded = measure_far_places<with_rounded_set_up(profiles::exact)>(share);
+  rounded.print("exact from rounded forms");
+  assert_true(rounded.worst > int64_t(1) << 24);
+}
+
+// exact_reference_at against 128-bit integers: W to 45 bits, offsets and slopes in its scale.
+SPANTEX_CASE(exact_references_are_the_callers_integers_cut_to_45_bits_of_w) {
+  random_source random(37);
+  int64_t compared = 0;
+  for (int k = 0; k < 20000; ++k) {
+    const far_place f = random_far_place(random);
+    plane p{};
+    reference r{};
+    if (make_plane(f.m, {0, 0, 4096, 4096}, p) != status::ok) continue;
+    const int32_t hx = 2 * f.x + 1 + int32_t(random.between(-8, 8)), hy = 2 * f.y + 1 + int32_t(random.between(-8, 8));
+    const auto at = [&](wide a, wide b, wide c) { return int128_of(a) * hx + int128_of(b) * hy + 2 * int128_of(c); };
+    const int128 w = at(f.m.g, f.m.h, f.m.i);
+    assert_true(exact_reference_at(p, hx, hy, r) == (w > 0));
+    if (w <= 0) continue;
+    const int cut = bits_of(w) > 45 ? bits_of(w) - 45 : 0;
+    const auto is_cut = [&](int64_t x, int128 exact, int drop) { assert_true(magnitude_of((int128(x) << drop) - exact) * 2 <= int128(1) << drop); };
+    is_cut(r.w, w, cut);
+    is_cut(r.g, int128_of(f.m.g), cut + r.slope_drop);
+    assert_true(r.w_exponent == cut - p.dropped_bits);
+    const auto axis = [&](bool good, int32_t base, int64_t c, int64_t a, int64_t b, wide x, wide y, wide one) {
+      const int128 n = at(x, y, one);
+      assert_true(good == (magnitude_of(n) <= (w << 15) - (w >> 1)) || magnitude_of(magnitude_of(n) - (w << 15)) < w);
+      if (!good) return;
+      assert_true(magnitude_of(n - base * w) <= w / 2 + (w >> 12));
+      is_cut(c, n - base * w, cut);
+      is_cut(a, int128_of(x) - base * int128_of(f.m.g), cut + r.slope_drop);
+      is_cut(b, int128_of(y) - base * int128_of(f.m.h), cut + r.slope_drop);
+      ++compared;
+    };
+    axis(r.u_in_range, r.base_u, r.c_u, r.a_u, r.b_u, f.m.a, f.m.b, f.m.c);
+    axis(r.v_in_range, r.base_v, r.c_v, r.a_v, r.b_v, f.m.d, f.m.e, f.m.f);
+  }
+  assert_true(compared > 10000);
+}
+
 int main() {
   const CMUnitTest tests[] = {
+      cmocka_unit_test(the_callers_integers_count_where_w_is_small),
+      cmocka_unit_test(exact_references_are_the_callers_integers_cut_to_45_bits_of_w),
       cmocka_unit_test(exact_profile_is_within_a_512th_of_a_texel),
       cmocka_unit_test(default_profile_is_within_a_256th_of_a_texel),
       cmocka_unit_test(every_profile_keeps_the_bound_of_its_numbers),

@@ -123,7 +123,8 @@ sum_of compare_axis(int32_t texel, uint32_t fraction, int32_t image_texel, uint3
   const int64_t n = (int64_t(texel) << bits) + fraction, image = (int64_t(image_texel) << bits) + image_fraction;
   if (!mirrors) return n == image ? sum_of::image : sum_of::neither;
   const int64_t excess = n + image - (int64_t(side - 1) << bits);
-  return excess == 0 ? sum_of::image : excess == 1 ? sum_of::tie : sum_of::neither;
+  // A tie goes up in both; and the floors of a series, which are no mirror images, move either of them by a part of the bound.
+  return excess == 0 ? sum_of::image : excess == 1 || excess == -1 ? sum_of::tie : sum_of::neither;
 }
 
 // Is the exact position n/w size_level/size_0 - 1/2 (or n/w for nearest) within `reach` of a tie of its snapping to 2^-bits?
