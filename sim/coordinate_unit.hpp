@@ -2,8 +2,15 @@
 // The coordinate unit with its correction: the head of the pipeline. It takes the pixels of a mask, one every cycles_per_pixel, and sends
 // local addresses to the banks. A span enters when the last pixel of the span before has entered; bank conflicts hold it.
 //
-//   coefficients ─► n, w ─► 1/w ─► u, v, level ─► correction ─► local addresses
-//   mask ─► next set bit ┘
+//   coefficients ─► n, e ─┬─► q (series) ──► n - n q ─┬─► u, v, level ─► correction ─► local addresses
+//   mask ─► next set bit ┘ └─► 1/w (divide) ► n r ────┘
+//
+// Multipliers that a pixel's u and v take:
+//              16x16 -> 32                       32x32 -> 64 (16x16 -> 32 in profiles of 16-bit reciprocals)
+//   affine     -                                 -
+//   series     terms - 1 powers of e, 2 for n q  -
+//   divide     -                                 4 (2) of Newton's iteration, 2 for n r
+// log2 w takes two of 16x16 (e e, and the constant) where |e| < 2^-4, the table's one elsewhere.
 #pragma once
 #include <stdint.h>
 

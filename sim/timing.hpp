@@ -45,7 +45,7 @@ struct latencies {
   int axis_words = int((sizeof(axis_terms) + 7) / 8);  // more, for filters with a footprint
   int contour_words = int((sizeof(contour_terms) + 7) / 8);  // more, for filter contour
   int cycles_per_pixel = 1;        // issue rate of the pipeline
-  int coordinate_fill_cycles = 6;  // w, reciprocal (table, two multiplications), product, snapping, correction
+  int coordinate_fill_cycles = 6;  // w; three powers of e, or table and two Newton steps; product; snapping and correction
   int fetch_fill_cycles = 1;       // banks and output switch
   int filter_fill_cycles = 3;      // along u, along v, between levels
   int write_out_cycles = 1;        // from the filter to the pixels that take delivers

@@ -90,6 +90,13 @@ GATES = [
     ("polygons turned inside out", F + "polygon.hpp", "const bool negative = m.determinant.negative();", "const bool negative = false;", *STRESS),
     ("spans of the stress run away from the horizon", "sim/stress_planes.cpp", "      put_horizon(s, r, 6);\n",
      "", *STRESS),
+    ("set-up's rounding always small enough", F + "coordinates.hpp", "return p.rounding_bits == 0 || ", "return true || p.rounding_bits == 0 || ", "coordinates",
+     "the_callers*", []),
+    ("set-up's rounding told from a sixteenth of W", F + "coordinates.hpp", "set_up_tolerance_bits = 12;", "set_up_tolerance_bits = 0;", "coordinates", "the_callers*", []),
+    ("exact forms about the wrong base", F + "coordinates.hpp", "x.b = f.y - multiply(p.exact_w.y, x.base);", "x.b = f.y - multiply(p.exact_w.x, x.base);", "coordinates",
+     "exact_references*", []),
+    ("exact forms cut to 20 bits of W", F + "coordinates.hpp", "exact_w_bits = 45,", "exact_w_bits = 20,", "coordinates", "exact_references*", []),
+    ("exact forms not the caller's", F + "plane.hpp", "    p.exact_v = v;", "    p.exact_v = u;", *STRESS),
     # wrap modes
     ("repeat without its sign", F + "wrap.hpp", "if (k < 0) k += period;", "(void)0;", "wrap", "every_size*", []),
     ("mirror like repeat", F + "wrap.hpp", "mode == wrap::mirror ? 2 * size : size", "size", "wrap", "large_sizes*", []),
