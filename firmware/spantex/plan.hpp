@@ -362,6 +362,11 @@ constexpr void coordinates_of_pixel(const surface& s, const reference& r, const 
 // Reciprocals that a pixel of a span takes.
 constexpr int reciprocals_a_pixel(filter kind) { return uses_area(kind) ? 1 + corner_count(kind) : 1; }
 
+template <class Prof>
+constexpr bool draws_contours(const profile& q, filter kind) {
+  return Prof::has_contours && q.contours && kind == filter::contour;
+}
+
 constexpr span_coefficients blank_coefficients(const surface& s) {
   span_coefficients c{};
   c.kind = s.kind;
@@ -388,6 +393,7 @@ constexpr status plan_span(const Prof& prof, const surface& s, int32_t sx, int32
       } else if (uses_levels(s.kind) && !uses_area(s.kind)) {
         if (s.fixed_level != no_fixed_level) detail::fix_levels(s.fixed_level, c);
         else formula_levels(q, *s.map, r, c);
+        if (detail::draws_contours<Prof>(q, s.kind)) span_contour(q, c);
       }
       if (c.how == evaluation::divide) job.divides += detail::reciprocals_a_pixel(s.kind) * __builtin_popcountll(mask);
       return detail::emit_levels(prof, *s.texture, job, sink);
@@ -405,6 +411,7 @@ constexpr status plan_span(const Prof& prof, const surface& s, int32_t sx, int32
     } else if (uses_levels(s.kind) && !uses_area(s.kind)) {
       if (s.fixed_level != no_fixed_level) detail::fix_levels(s.fixed_level, c);
       else formula_levels_of_pixel(q, *s.map, r, hx, hy, c);
+      if (detail::draws_contours<Prof>(q, s.kind)) pixel_contour(*s.map, r, hx, hy, c);
     }
     SPANTEX_TRY(detail::emit_levels(prof, *s.texture, job, sink));
   }
