@@ -277,13 +277,19 @@ constexpr status split_job(const Prof& prof, const texture_view& t, int level, b
   return status::ok;
 }
 
+// What is done with a section that does not fit. Footprints need all their texels. A clamped field would draw contours thinner than asked, where
+// a coarser level's field keeps their width.
+constexpr overflow_policy policy_of(const profile& q, filter kind) {
+  if (uses_footprint(kind) || uses_area(kind)) return overflow_policy::split;
+  return kind == filter::contour && q.overflow == overflow_policy::clamp ? overflow_policy::coarser : q.overflow;
+}
+
 // One level of one span, by the profile's policy; footprints are always split: cut short or blurred they would be of no use.
 template <class Prof, class Sink>
 constexpr status emit_level(const Prof& prof, const texture_view& t, int level, bool two_levels, span_job& job, Sink& sink) {
   const profile& q = prof.get();
   if (take_sections(prof, t, level, two_levels, job)) return sink(job);
-  const filter kind = job.coefficients.kind;
-  switch (uses_footprint(kind) || uses_area(kind) ? overflow_policy::split : q.overflow) {
+  switch (policy_of(q, job.coefficients.kind)) {
     case overflow_policy::clamp:
       job.coefficients.corrects = true;
       return sink(job);
