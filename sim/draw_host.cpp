@@ -35,9 +35,9 @@ struct target {
 // The item's map as the options read it.
 status view_of(const scene& s, const drawable& item, const draw_options& o, texture_view& t) {
   t = s.texture(item);
-  t.set_colours(o.colours);
-  contour_style style = o.contour.value_or(t.contour());
-  style.unit = t.contour().unit;
+  contour_style style = t.contour();
+  style.threshold = o.threshold.value_or(style.threshold);
+  style.scale = o.field_scale.value_or(style.scale);
   style.outline = o.outline.value_or(style.outline);
   return t.set_contour(style);
 }
@@ -159,6 +159,8 @@ namespace {
 constexpr double depth_ratio_of_bands = 2;
 
 double draw_in_object_space(const scene& s, const draw_options& options, draw_result& result) {
+  for (const texture_map& map : *s.maps)
+    if (map.view().colours() == colour_space::srgb) throw input_error("object space: spreads coded colours: not with an sRGB map");
   object_space_options o;
   o.profile = options.profile;
   o.kind = options.kind;
@@ -180,6 +182,7 @@ draw_result draw(const scene& s, const draw_options& options) {
   draw_result result;
   result.picture = image(s.size.width_px, s.size.height_px, options.background);
   if (!s.maps->empty()) result.format = s.maps->front().view().format();
+  if (!s.maps->empty()) result.colours = s.maps->front().view().colours();
   for (const texture_map& map : *s.maps) result.words_uploaded += map.words_uploaded();
   std::vector<uint32_t> depth(s.uses_depth() ? result.picture.pixels.size() : 0);
   const std::vector<band> bands = make_bands(s.size.height_px, options.sink != nullptr ? 1 : options.threads);

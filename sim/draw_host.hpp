@@ -64,9 +64,8 @@ struct draw_options {
   filter kind = filter::bilinear;
   sampling_space space = sampling_space::screen;
   shading how{};                     // alpha; colour where an item has none of its own
-  colour_space colours = colour_space::coded;
-  std::optional<contour_style> contour;  // instead of the maps' own; their field_unit is kept
-  std::optional<uint8_t> outline;        // 1/16 pixel, likewise
+  std::optional<uint16_t> threshold, field_scale;  // of contours, u8.8, instead of the maps' own
+  std::optional<uint8_t> outline;                  // 1/16 pixel, likewise
   rgba8 background{0, 0, 0, 255};
   int threads = 1;
   int repeat = 1;
@@ -80,6 +79,7 @@ struct draw_result {
   image picture;
   draw_counters work;                // of one repetition, summed over the threads
   texel_format format = texel_format::rgba8888;  // of the first map
+  colour_space colours = colour_space::coded;    // likewise
   uint64_t words_uploaded = 0;       // 64-bit words of all maps into global texture memory, before drawing
   counters machine;                  // engine sim: summed, total_cycles the longest
   int machines = 0;                  // engines, one per thread that had a row of spans

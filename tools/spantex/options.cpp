@@ -154,7 +154,7 @@ void drawing_options::add_to(CLI::App& app, bool with_engine) {
   format_given_ = app.add_option("--format", format, "texels in global texture memory: " + list_of(sim::format_names))->capture_default_str();
   app.add_option("--background", background, "RRGGBB where nothing is drawn")->capture_default_str();
   app.add_option("--alpha", alpha, "opaque, cut-out[:T] (alpha below T, 128, is left out), blended, premultiplied")->capture_default_str();
-  app.add_flag("--srgb", srgb, "colours of maps are sRGB codes: filter in linear light");
+  app.add_flag("--srgb", srgb, "colours of maps are sRGB codes: levels and filters in linear light (a pack's levels are as it was compiled)");
   app.add_option("--outline", outline, "filter contour: width of its line in pixels, to 1/16; 0 fills the inside");
   app.add_option("--threshold", threshold, "filter contour: the field (alpha) where the contour runs, 0..255");
   app.add_option("--field-scale", field_scale, "filter contour: field units per texel across the contour, 1/16..255");
@@ -175,7 +175,6 @@ shading parse_alpha(const std::string& text) {
   return how;
 }
 
-// A number within limits, in 1/parts, to nearest.
 int parse_parts(const std::string& text, const char* option, double low, double high, int parts) {
   const double value = parse_number(text, option);
   if (!(value >= low && value <= high)) throw input_error(std::string(option) + ": '" + text + "' is outside its range");
@@ -187,15 +186,13 @@ void drawing_options::parse_contour(sim::draw_options& o) const {
   for (const auto& [option, is_given] : given)
     if (is_given && o.kind != filter::contour) throw input_error(std::string(option) + ": only filter contour has one");
   if (outline) o.outline = uint8_t(parse_parts(*outline, "--outline", 0, 255 / 16.0, 16));
-  if (!threshold && !field_scale) return;
-  o.contour.emplace();
-  if (threshold) o.contour->threshold = uint16_t(parse_parts(*threshold, "--threshold", 0, 255, 256));
-  if (field_scale) o.contour->scale = uint16_t(parse_parts(*field_scale, "--field-scale", 1 / 16.0, 255, 256));
+  if (threshold) o.threshold = uint16_t(parse_parts(*threshold, "--threshold", 0, 255, 256));
+  if (field_scale) o.field_scale = uint16_t(parse_parts(*field_scale, "--field-scale", 1 / 16.0, 255, 256));
 }
 
 void refuse_reference(const sim::draw_options& o) {
-  if (o.how.alpha != alpha_mode::opaque || o.colours != colour_space::coded || o.kind == filter::contour)
-    throw input_error("--psnr: the reference is opaque and filters coded colours: not with --alpha, --srgb or filter contour");
+  if (o.how.alpha != alpha_mode::opaque || o.kind == filter::contour)
+    throw input_error("--psnr: the reference is opaque: not with --alpha or filter contour");
 }
 
 sim::draw_options drawing_options::resolve() const {
@@ -217,7 +214,6 @@ sim::draw_options drawing_options::resolve() const {
   }
   o.background = parse_colour(background);
   o.how = parse_alpha(alpha);
-  o.colours = srgb ? colour_space::srgb : colour_space::coded;
   parse_contour(o);
   const bool plain = o.how.alpha == alpha_mode::opaque && !srgb && o.kind != filter::contour;
   if (o.space == sim::sampling_space::object && !plain)
@@ -231,11 +227,13 @@ sim::draw_options drawing_options::resolve() const {
 sim::texture_map load_map(const std::string& path, const drawing_options& d) {
   sim::bytes data = sim::read_file(path);
   if (!sim::is_pack(data) && !path.ends_with(".stx"))
-    return {sim::decode_image(data.data(), data.size(), path), d.level_filter(), d.wrap_mode(), d.wrap_mode(), d.texels()};
+    return {sim::decode_image(data.data(), data.size(), path), d.level_filter(), d.wrap_mode(), d.wrap_mode(), d.texels(), d.colours()};
   if (d.wrap_given()) throw input_error("--wrap: " + path + " has its own wrap modes; give them when it is compiled");
   if (d.prefilter_given()) throw input_error("--prefilter: " + path + " has its levels; give it when it is compiled");
   if (d.format_given()) throw input_error("--format: " + path + " has its format; give it when it is compiled");
-  return {std::move(data), path};
+  sim::texture_map map(std::move(data), path);
+  if (d.srgb) map.set_colours(colour_space::srgb);
+  return map;
 }
 
 void subject_options::add_to(CLI::App& app, bool with_matrix) {
@@ -266,6 +264,7 @@ subject_options::loaded::loaded(const subject_options& o, const drawing_options&
   request_.levels = d.level_filter();
   request_.wrap_u = request_.wrap_v = d.wrap_mode();
   request_.format = d.texels();
+  request_.colours = d.colours();
   if (o.matrix.empty() && o.subject.empty()) throw input_error("nothing to draw: name a scene or model, or give --matrix");
   o.check_consistent();
   if (!o.matrix.empty()) matrix_ = parse_matrix(o.matrix, request_.size);
@@ -278,7 +277,7 @@ subject_options::loaded::loaded(const subject_options& o, const drawing_options&
   std::error_code ignored;
   if (!std::filesystem::exists(name_, ignored))
     throw input_error(name_ + ": no such model file or scene (known scenes: " + joined(sim::scene_names()) + ")");
-  sim::model_options wanted{request_.levels, {}, {}, request_.format};
+  sim::model_options wanted{request_.levels, {}, {}, request_.format, request_.colours};
   if (d.wrap_given()) wanted.wrap_u = wanted.wrap_v = request_.wrap_u;
   world_ = sim::load_model(name_, wanted);
 }

@@ -38,6 +38,8 @@ double parse_number(const std::string& text, const std::string& what);
 std::vector<double> parse_numbers(const std::string& text, size_t count, const std::string& what);
 sim::screen_size parse_size(const std::string& text);
 rgba8 parse_colour(const std::string& text);
+// A number within limits, in 1/parts, to nearest.
+int parse_parts(const std::string& text, const char* option, double low, double high, int parts);
 shading parse_alpha(const std::string& text);
 // What --psnr has no reference for.
 void refuse_reference(const sim::draw_options& o);
@@ -63,6 +65,7 @@ struct drawing_options {
   sim::draw_options resolve() const;
   void parse_contour(sim::draw_options& o) const;
   spantex::wrap wrap_mode() const { return value_of(sim::wrap_names, wrap, "wrap mode"); }
+  colour_space colours() const { return srgb ? colour_space::srgb : colour_space::coded; }
   texel_format texels() const { return value_of(sim::format_names, format, "format"); }
   sim::prefilter level_filter() const { return value_of(sim::prefilter_names, prefilter, "prefilter"); }
 
