@@ -97,7 +97,7 @@ namespace detail {
 
 inline constexpr int gradient_bits = 14, column_bits = 15;  // so that products of 32 bits do
 
-constexpr int excess_bits(int32_t a, int32_t b, int bits) { return max_of(0, max_of(bit_length(magnitude(a)), bit_length(magnitude(b))) - bits); }
+constexpr int excess_bits(int64_t a, int64_t b, int bits) { return max_of(0, max_of(bit_length(magnitude(a)), bit_length(magnitude(b))) - bits); }
 constexpr uint64_t squares(int32_t a, int32_t b) { return uint64_t(int64_t(a) * a) + uint64_t(int64_t(b) * b); }
 constexpr int32_t half_log2(uint64_t square) { return square == 0 ? -(32 << 16) : log2_16(square) / 2; }
 
@@ -108,9 +108,10 @@ template <class Prof>
 constexpr int32_t across_log2(const Prof& prof, const span_coefficients& c, field_gradient d, int i, int j) {
   const axis_terms& t = c.axis;
   const int32_t hx = half_pixels(i), hy = half_pixels(j);
-  int32_t ux = t.c_u + t.b_u * hy, vx = t.c_v + t.b_v * hy, uy = t.a_u - t.b_u * hx, vy = t.a_v - t.b_v * hx;
-  const int drop = max_of(detail::excess_bits(ux, vx, detail::column_bits), detail::excess_bits(uy, vy, detail::column_bits));
-  for (int32_t* x : {&ux, &vx, &uy, &vy}) *x = int32_t(shift_right_symmetric(int64_t(*x), drop));
+  const jacobian m{t.c_u + t.b_u * hy, t.a_u - t.b_u * hx, t.c_v + t.b_v * hy, t.a_v - t.b_v * hx};
+  const int drop = max_of(detail::excess_bits(m.ux, m.vx, detail::column_bits), detail::excess_bits(m.uy, m.vy, detail::column_bits));
+  const auto cut = [drop](int64_t x) { return int32_t(shift_right_symmetric(x, drop)); };
+  const int32_t ux = cut(m.ux), uy = cut(m.uy), vx = cut(m.vx), vy = cut(m.vy);
   const int gradient_drop = detail::excess_bits(d.u, d.v, detail::gradient_bits);
   d.u = int32_t(shift_right_symmetric(d.u, gradient_drop));
   d.v = int32_t(shift_right_symmetric(d.v, gradient_drop));
