@@ -73,25 +73,25 @@ status draw_band(const Prof& prof, Engine& engine, const scene& s, const draw_op
   return status::ok;
 }
 
-template <profile P>
-status draw_band_with(const scene& s, const draw_options& o, band b, const target& out, band_counts& counts) {
-  using prof = fixed_profile<P>;
+template <class Prof>
+status draw_band_with(const Prof& prof, const scene& s, const draw_options& o, band b, const target& out, band_counts& counts) {
   if (o.engine == engine_choice::direct) {
-    const auto engine = std::make_unique<direct_engine<prof>>();
-    return draw_band(prof{}, *engine, s, o, b, out, counts.work);
+    const auto engine = std::make_unique<direct_engine<Prof>>(prof);
+    return draw_band(prof, *engine, s, o, b, out, counts.work);
   }
-  const auto engine = std::make_unique<sim_engine<prof>>(prof{}, o.table, o.sink);
-  SPANTEX_TRY(draw_band(prof{}, *engine, s, o, b, out, counts.work));
+  const auto engine = std::make_unique<sim_engine<Prof>>(prof, o.table, o.sink);
+  SPANTEX_TRY(draw_band(prof, *engine, s, o, b, out, counts.work));
   counts.machine = engine->counters();
   return status::ok;
 }
 
 status draw_band_by_profile(const scene& s, const draw_options& o, band b, const target& out, band_counts& counts) {
+  if (o.changes.any()) return draw_band_with(run_time_profile{profile_of(o.profile, o.changes)}, s, o, b, out, counts);
   switch (o.profile) {
-    case profile_choice::seed: return draw_band_with<profiles::seed>(s, o, b, out, counts);
-    case profile_choice::compact: return draw_band_with<profiles::compact>(s, o, b, out, counts);
-    case profile_choice::standard: return draw_band_with<profiles::standard>(s, o, b, out, counts);
-    case profile_choice::exact: return draw_band_with<profiles::exact>(s, o, b, out, counts);
+    case profile_choice::seed: return draw_band_with(fixed_profile<profiles::seed>{}, s, o, b, out, counts);
+    case profile_choice::compact: return draw_band_with(fixed_profile<profiles::compact>{}, s, o, b, out, counts);
+    case profile_choice::standard: return draw_band_with(fixed_profile<profiles::standard>{}, s, o, b, out, counts);
+    case profile_choice::exact: return draw_band_with(fixed_profile<profiles::exact>{}, s, o, b, out, counts);
   }
   return status::out_of_range;
 }
@@ -177,6 +177,16 @@ double draw_in_object_space(const scene& s, const draw_options& options, draw_re
 }
 
 }  // namespace
+
+profile profile_of(profile_choice choice, const profile_changes& changes) {
+  constexpr profile all[] = {profiles::seed, profiles::compact, profiles::standard, profiles::exact};
+  profile p = all[size_t(choice)];
+  p.formula = changes.level.value_or(p.formula);
+  p.max_samples = changes.max_samples.value_or(p.max_samples);
+  p.sample_slack = changes.sample_slack.value_or(p.sample_slack);
+  if (!is_valid(p)) throw input_error("profile: numbers outside their documented ranges");
+  return p;
+}
 
 draw_result draw(const scene& s, const draw_options& options) {
   draw_result result;

@@ -25,6 +25,14 @@ enum class sampling_space : uint8_t {
   object,   // RD16: a grid on the polygon, spread over the screen (spantex/object_space.hpp); direct engine, one thread
 };
 
+// What may differ from a profile's own choice of method. The bytes are those of a profile that has it so.
+struct profile_changes {
+  std::optional<level_formula> level;
+  std::optional<int> max_samples, sample_slack;  // profile.hpp
+  bool any() const { return level || max_samples || sample_slack; }
+  friend bool operator==(const profile_changes&, const profile_changes&) = default;
+};
+
 template <class T> struct named { std::string_view name; T value; };
 
 inline constexpr std::array<named<profile_choice>, 4> profile_names{
@@ -37,6 +45,8 @@ inline constexpr std::array<named<filter>, 11> filter_names{{{"nearest", filter:
                                                             {"squares", filter::squares}, {"aniso", filter::aniso},
                                                             {"step", filter::step}, {"hat", filter::hat}, {"contour", filter::contour}}};
 inline constexpr std::array<named<sampling_space>, 2> space_names{{{"screen", sampling_space::screen}, {"object", sampling_space::object}}};
+inline constexpr std::array<named<level_formula>, 3> level_names{
+    {{"jacobian", level_formula::jacobian}, {"major", level_formula::major}, {"minor", level_formula::minor}}};
 inline constexpr std::array<named<spantex::alpha_mode>, 4> alpha_names{
     {{"opaque", spantex::alpha_mode::opaque}, {"cut-out", spantex::alpha_mode::cut_out},
      {"blended", spantex::alpha_mode::blended}, {"premultiplied", spantex::alpha_mode::premultiplied}}};
@@ -58,8 +68,11 @@ constexpr std::string_view name_of(const std::array<named<T>, N>& names, T value
   return "?";
 }
 
+profile profile_of(profile_choice choice, const profile_changes& changes);
+
 struct draw_options {
   profile_choice profile = profile_choice::standard;
+  profile_changes changes;
   engine_choice engine = engine_choice::direct;
   filter kind = filter::bilinear;
   sampling_space space = sampling_space::screen;

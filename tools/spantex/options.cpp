@@ -149,6 +149,9 @@ void drawing_options::add_to(CLI::App& app, bool with_engine) {
   app.add_option("--filter", filter, list_of(sim::filter_names))->capture_default_str();
   app.add_option("--space", space, "screen: spans of the screen; object: RD16, a grid on each polygon, spread over the pixels")->capture_default_str();
   app.add_option("--profile", profile, list_of(sim::profile_names))->capture_default_str();
+  app.add_option("--level", level, "level of detail instead of the profile's: jacobian (longer column), major or minor (KT88's axes)");
+  app.add_option("--samples", samples, "filter aniso: at most so many samples along a footprint, 1..16");
+  app.add_option("--slack", slack, "filter aniso: samples fewer by so many sixteenths of one, 0..15: quality against cost");
   wrap_given_ = app.add_option("--wrap", wrap, list_of(sim::wrap_names))->capture_default_str();
   prefilter_given_ = app.add_option("--prefilter", prefilter, list_of(sim::prefilter_names))->capture_default_str();
   format_given_ = app.add_option("--format", format, "texels in global texture memory: " + list_of(sim::format_names))->capture_default_str();
@@ -164,6 +167,14 @@ void drawing_options::add_to(CLI::App& app, bool with_engine) {
   app.add_option("--repeat", repeat, "draw so often; times are medians")->capture_default_str();
 }
 
+void check_changes(const sim::profile_changes& c, filter kind) {
+  if ((c.max_samples || c.sample_slack) && kind != filter::aniso) throw input_error("--samples, --slack: only filter aniso has them");
+  if (c.max_samples && (*c.max_samples < 1 || *c.max_samples > max_footprint_samples)) throw input_error("--samples: outside 1..16");
+  if (c.sample_slack && (*c.sample_slack < 0 || *c.sample_slack > 15)) throw input_error("--slack: outside 0..15");
+  const bool has_level = uses_levels(kind) && !uses_footprint(kind) && !uses_area(kind);
+  if (c.level && !has_level) throw input_error("--level: filter " + std::string(sim::name_of(sim::filter_names, kind)) + " has no level or its own");
+}
+
 shading parse_alpha(const std::string& text) {
   const std::vector<std::string> parts = split(text, ':');
   shading how;
@@ -173,6 +184,12 @@ shading parse_alpha(const std::string& text) {
   if (!all_digits(parts[1]) || atoi(parts[1].c_str()) > 255) throw input_error("--alpha: '" + text + "': threshold outside 0..255");
   how.threshold = uint8_t(atoi(parts[1].c_str()));
   return how;
+}
+
+void make_folder(const std::string& path) {
+  std::error_code error;
+  std::filesystem::create_directories(path, error);
+  if (error) throw input_error(path + ": cannot make folder: " + error.message());
 }
 
 int parse_parts(const std::string& text, const char* option, double low, double high, int parts) {
@@ -207,9 +224,14 @@ sim::draw_options drawing_options::resolve() const {
   o.engine = value_of(sim::engine_names, engine, "engine");
   o.kind = value_of(sim::filter_names, filter, "filter");
   o.space = value_of(sim::space_names, space, "space");
+  if (level) o.changes.level = value_of(sim::level_names, *level, "level of detail");
+  o.changes.max_samples = samples;
+  o.changes.sample_slack = slack;
+  check_changes(o.changes, o.kind);
   if (o.space == sim::sampling_space::object) {
     if (o.engine != sim::engine_choice::direct) throw input_error("--space object: runs on engine direct only");
     if (threads != 1) throw input_error("--space object: runs on one thread only");
+    if (o.changes.any()) throw input_error("--space object: has one level a polygon: not with --level");
     if (uses_footprint(o.kind) || uses_area(o.kind)) throw input_error("--space object: filter " + filter + " has a footprint of its own; take one without");
   }
   o.background = parse_colour(background);

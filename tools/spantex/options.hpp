@@ -48,10 +48,16 @@ void refuse_reference(const sim::draw_options& o);
 // coordinates beyond what the engine takes (2^15 texels) at every pixel in front of the viewer.
 sim::matrix parse_matrix(const std::string& text, sim::screen_size size);
 
+// Makes a folder for outputs where it is missing.
+void make_folder(const std::string& path);
+
 // An option and the file that it names; an empty path is none.
 struct named_output { std::string option, path; };
 // Refuses two outputs that would be one file.
 void check_outputs_differ(const std::vector<named_output>& outputs);
+
+// Samples 1..16, slack 0..15; what filter they belong to.
+void check_changes(const sim::profile_changes& c, filter kind);
 
 // How pictures are drawn.
 struct drawing_options {
@@ -59,6 +65,8 @@ struct drawing_options {
   int threads = 1, repeat = 1;
   bool single_half = false, srgb = false;
   std::string alpha = "opaque";
+  std::optional<std::string> level;
+  std::optional<int> samples, slack;
   std::optional<std::string> outline, threshold, field_scale;
 
   void add_to(CLI::App& app, bool with_engine);
