@@ -319,6 +319,33 @@ def test_alpha_modes(folder):
                 assert tuple(rows[3][4 * x:4 * x + 4]) == expected((200, 100, 40, 17 * x)), (mode, x)
 
 
+def test_changes_of_a_profile(folder):
+    """The profile's own choices given by name change nothing, others do; compare takes them too; the reference is a picture of its own."""
+    how = dict(matrix=TILTED)
+    for engine in ("direct", "sim"):
+        same = plane(folder, "a.png", filter="trilinear", engine=engine, **how)
+        assert same == plane(folder, "b.png", filter="trilinear", level="jacobian", engine=engine, **how)
+        pictures = {plane(folder, "b.png", filter="trilinear", level=level, engine=engine, **how) for level in ("jacobian", "major", "minor")}
+        assert len(pictures) == 3
+        assert plane(folder, "a.png", filter="aniso", engine=engine, **how) == plane(folder, "b.png", filter="aniso", samples="16", slack="2", engine=engine, **how)
+        assert plane(folder, "a.png", filter="aniso", engine=engine, **how) != plane(folder, "b.png", filter="aniso", samples="1", engine=engine, **how)
+    text = done("compare", "--scenes", "tilted", "--size", "64x48", "--texture", "map.png", "--filters", "trilinear:level=minor,aniso:samples=4:slack=8", "--out", "c", "--json", "c.json", cwd=folder)
+    assert "trilinear:level=minor" in text and "aniso:samples=4:slack=8" in text
+    rows = json.loads((folder / "c.json").read_text())
+    assert [r["method"] for r in rows] == ["trilinear:level=minor", "aniso:samples=4:slack=8"] and all(r["pixels"] == 64 * 48 for r in rows)
+    assert (folder / "c" / "tilted-aniso-samples-4-slack-8-default.png").exists()
+    done("render", "tilted", "--size", "64x48", "--texture", "map.png", "--out", "o.png", "--reference", "r.png", cwd=folder)
+    assert (folder / "r.png").read_bytes() == (folder / "c" / "tilted-reference.png").read_bytes()
+
+
+def test_chessboard(folder):
+    text = done("chessboard", "--out", "chess", "--size", "64x48", cwd=folder)
+    marks = {line[:20].strip(): float(line.split()[-2]) for line in text.splitlines()[1:]}
+    assert set(marks) == {f"{kind} on the {where}" for kind in ("step", "hat") for where in ("screen", "map")}, text
+    assert all(marks[f"{kind} on the map"] > marks[f"{kind} on the screen"] - 0.5 for kind in ("step", "hat")), text
+    assert len(list((folder / "chess").glob("chessboard-*.png"))) == 4
+
+
 def test_srgb(folder):
     """Black and white texels far away: half the light has code 188. Levels and filters, from a picture and from a pack; and the reference agrees."""
     (folder / "b.png").write_bytes(png_bytes(64, 64, 2, lambda x, y: [255 * ((x + y) % 2)] * 3))

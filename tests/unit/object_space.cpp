@@ -308,22 +308,30 @@ SPANTEX_CASE(a_frame_has_one_end) {
   assert_true(log.operations.back().what == operation::mark);
 }
 
-// KT88's figure 7, a floor to its horizon: one polygon of it wants more samples than a grid holds and is refused; cut into bands of depth it is drawn, up to
-// where a band would reach 512 times as far as the nearest point.
+// KT88's figure 7, a floor to its horizon: one polygon of it wants more samples than a grid holds and is refused; cut into bands of depth it is drawn, but for
+// what lies beyond +-30000 texels, where vertices have no coordinates: the last four of 191 rows.
 SPANTEX_CASE(a_floor_to_the_horizon_is_drawn_in_bands) {
   scene_request request;
   request.size = {320, 240};
   const scene s = make_named_scene("fig7", request);
   object_space_options o;
+  o.background = {255, 0, 255, 255};
   assert_int_equal(render_object_space(s, o).items_left_out, 1);
   o.band_ratio = 2;
   const object_space_result r = render_object_space(s, o);
   assert_int_equal(r.items_left_out, 0);
   assert_int_equal(r.samples.pixels_without_samples, 0);
   uint64_t visible = 0;
-  for (const int item : visible_items(s)) visible += item >= 0;
+  for (int j = 0; j < 240; ++j)
+    for (int i = 0; i < 320; ++i) {
+      const ideal_position p = position(s.items[0].ideal, i + 0.5, j + 0.5);
+      if (!(p.w > 0)) continue;
+      ++visible;
+      // The host's limit falls in steps of 1.25.
+      if (r.picture.at(i, j) == o.background) assert_true(std::max(std::fabs(p.u), std::fabs(p.v)) > 22000);
+    }
   std::printf("# %llu of %llu pixels\n", static_cast<unsigned long long>(r.samples.pixels), static_cast<unsigned long long>(visible));
-  assert_true(r.samples.pixels <= visible && visible - r.samples.pixels <= 320);  // a row at the horizon
+  assert_true(r.samples.pixels > visible * 97 / 100);
 }
 
 SPANTEX_CASE(tilted_and_grazing_planes_are_better_than_trilinear_at_two_pitches) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// spantex demo: the three planes with a photographed map, KT88's figures, GCK09's chessboard and two models with their own textures, and one table:
-// quality against the reference, and the cost on the simulated engine. Words, stalls and bank conflicts are engine sim's; the time is
+// spantex demo: the three planes with a photographed map (tilted by every filter, from compressed maps, in linear light), KT88's figures, GCK09's
+// chessboard, contours and two models with their own textures, and one table: quality against the reference, and the cost on the simulated engine. Words, stalls and bank conflicts are engine sim's; the time is
 // engine direct's, median of three, on this machine. Both engines must give the same bytes.
 #include <stdio.h>
 
