@@ -73,20 +73,29 @@ status draw_band(const Prof& prof, Engine& engine, const scene& s, const draw_op
   return status::ok;
 }
 
-template <class Prof>
+template <class Prof, int Fine = Prof::max_fine_side>
 status draw_band_with(const Prof& prof, const scene& s, const draw_options& o, band b, const target& out, band_counts& counts) {
   if (o.engine == engine_choice::direct) {
-    const auto engine = std::make_unique<direct_engine<Prof>>(prof);
+    const auto engine = std::make_unique<direct_engine<Prof, Fine>>(prof);
     return draw_band(prof, *engine, s, o, b, out, counts.work);
   }
-  const auto engine = std::make_unique<sim_engine<Prof>>(prof, o.table, o.sink);
+  const auto engine = std::make_unique<sim_engine<Prof, Fine>>(prof, o.table, o.sink);
   SPANTEX_TRY(draw_band(prof, *engine, s, o, b, out, counts.work));
   counts.machine = engine->counters();
   return status::ok;
 }
 
+// The local memory is the profile's.
+status draw_band_at_run_time(const run_time_profile& prof, const scene& s, const draw_options& o, band b, const target& out, band_counts& counts) {
+  switch (prof.value.fine_side) {
+    case 8: return draw_band_with<run_time_profile, 8>(prof, s, o, b, out, counts);
+    case 16: return draw_band_with<run_time_profile, 16>(prof, s, o, b, out, counts);
+    default: return draw_band_with<run_time_profile, 32>(prof, s, o, b, out, counts);
+  }
+}
+
 status draw_band_by_profile(const scene& s, const draw_options& o, band b, const target& out, band_counts& counts) {
-  if (o.changes.any()) return draw_band_with(run_time_profile{profile_of(o.profile, o.changes)}, s, o, b, out, counts);
+  if (o.changes.any()) return draw_band_at_run_time({profile_of(o.profile, o.changes)}, s, o, b, out, counts);
   switch (o.profile) {
     case profile_choice::seed: return draw_band_with(fixed_profile<profiles::seed>{}, s, o, b, out, counts);
     case profile_choice::compact: return draw_band_with(fixed_profile<profiles::compact>{}, s, o, b, out, counts);

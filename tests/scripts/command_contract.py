@@ -339,7 +339,7 @@ def test_changes_of_a_profile(folder):
 
 
 def test_chessboard(folder):
-    text = done("chessboard", "--out", "chess", "--size", "64x48", cwd=folder)
+    text = done("chessboard", "--out", "chess", "--size", "160x120", cwd=folder)
     marks = {line[:20].strip(): float(line.split()[-2]) for line in text.splitlines()[1:]}
     assert set(marks) == {f"{kind} on the {where}" for kind in ("step", "hat") for where in ("screen", "map")}, text
     assert all(marks[f"{kind} on the map"] > marks[f"{kind} on the screen"] - 0.5 for kind in ("step", "hat")), text
