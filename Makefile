@@ -24,13 +24,16 @@ HOST_OBJECTS := $(HOST_SOURCES:%.cpp=$(B)/%.o)
 TOOL_OBJECTS := $(TOOL_SOURCES:%.cpp=$(B)/%.o)
 UNIT_TESTS   := $(UNIT_SOURCES:tests/unit/%.cpp=$(B)/tests/%)
 
-.PHONY: all demo test stress sanitize check-gates unit-tests clean help setup-build setup-test setup-demo
+.PHONY: all demo compare test stress sanitize check-gates unit-tests clean help setup-build setup-test setup-demo setup-compare
 
 all: setup-build ## build the command: build/spantex
 	@$(MAKE) --no-print-directory -j$(JOBS) $(B)/spantex
 
 demo: setup-build setup-demo all ## render the demo pictures into build/demo and print one table
 	@$(B)/spantex demo --out $(B)/demo
+
+compare: setup-build setup-compare all ## the tables, pictures and plot of docs/METHODS-COMPARED.md into build/compare
+	@tools/compare_methods --build $(B) --out $(B)/compare
 
 test: setup-build setup-test setup-demo ## run every test; T=suite.case runs one
 	@$(MAKE) --no-print-directory -j$(JOBS) $(B)/spantex unit-tests
@@ -62,6 +65,7 @@ help: ## list the targets
 setup-build: ; @tools/setup build
 setup-test: ; @tools/setup test cross emulate
 setup-demo: ; @tools/setup demo
+setup-compare: ; @tools/setup compare
 
 $(B)/spantex: $(TOOL_OBJECTS) $(HOST_OBJECTS)
 	@echo "  link    $@"

@@ -46,7 +46,7 @@ class sim_engine {
     SPANTEX_TRY(guard_.may_load(h, operation::load_coefficients, host_time_));
     halves_[int(h)].coefficients = c;
     guard_.coefficients_loaded(h);
-    transfer(h, operation::load_coefficients, 0, table_.coefficient_words + (uses_footprint(c.kind) ? table_.axis_words : 0) +
+    transfer(h, operation::load_coefficients, 0, table_.coefficient_words + (uses_footprint(c.kind) || c.kind == filter::contour ? table_.axis_words : 0) +
                                                 (c.kind == filter::contour ? table_.contour_words : 0));
     return status::ok;
   }

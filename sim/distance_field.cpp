@@ -73,10 +73,14 @@ uint8_t coded(int64_t sum, int64_t count, int scale, int level) {
 
 }  // namespace
 
-mask make_mask(const image& picture) {
+mask make_mask(const image& picture, inside_by rule) {
   const bool opaque = std::all_of(picture.pixels.begin(), picture.pixels.end(), [](const rgba8& c) { return c.a == 255; });
+  if (rule == inside_by::either) rule = opaque ? inside_by::light : inside_by::alpha;
   mask m{picture.width_px, picture.height_px, {}};
-  for (const rgba8& c : picture.pixels) m.inside.push_back(opaque ? 299 * c.r + 587 * c.g + 114 * c.b >= 128000 : c.a >= 128);
+  for (const rgba8& c : picture.pixels) {
+    const bool light = 299 * c.r + 587 * c.g + 114 * c.b >= 128000;
+    m.inside.push_back(rule == inside_by::alpha ? c.a >= 128 : light == (rule == inside_by::light));
+  }
   return m;
 }
 
@@ -102,12 +106,11 @@ std::vector<int32_t> signed_distances(const mask& m) {
   return out;
 }
 
-texture_map make_field_map(const image& picture, int reduction, int scale, int outline_16, rgba8 colour, wrap u, wrap v) {
+std::vector<image> make_field_levels(const image& picture, int reduction, int scale, rgba8 colour, inside_by rule) {
   if (scale < 1 || scale > 64) throw input_error("field: scale outside 1..64 units a texel");
-  if (outline_16 < 0 || outline_16 > 255) throw input_error("field: outline outside 0..255 sixteenths of a pixel");
   if (reduction < 1 || picture.width_px % reduction != 0 || picture.height_px % reduction != 0)
     throw input_error("field: the picture's sides are not multiples of " + std::to_string(reduction));
-  const std::vector<int32_t> distance = signed_distances(make_mask(picture));
+  const std::vector<int32_t> distance = signed_distances(make_mask(picture, rule));
   int w = picture.width_px / reduction, h = picture.height_px / reduction;
   // Sums over the squares of a level's texels; counts differ where sides are odd.
   struct cell { int64_t sum = 0, count = 0; };
@@ -135,12 +138,21 @@ texture_map make_field_map(const image& picture, int reduction, int scale, int o
     w = next_w;
     h = next_h;
   }
-  texture_map map(std::move(levels), u, v);
+  return levels;
+}
+
+contour_style field_style(int scale, int outline_16) {
+  if (outline_16 < 0 || outline_16 > 255) throw input_error("field: outline outside 0..255 sixteenths of a pixel");
   contour_style style;
   style.scale = uint16_t(scale << 8);
   style.outline = uint8_t(outline_16);
   style.unit = field_unit::own_level;
-  map.set_contour(style);
+  return style;
+}
+
+texture_map make_field_map(const image& picture, int reduction, int scale, int outline_16, rgba8 colour, wrap u, wrap v) {
+  texture_map map(make_field_levels(picture, reduction, scale, colour), u, v);
+  map.set_contour(field_style(scale, outline_16));
   return map;
 }
 

@@ -35,9 +35,9 @@ struct target {
 // The item's map as the options read it.
 status view_of(const scene& s, const drawable& item, const draw_options& o, texture_view& t) {
   t = s.texture(item);
-  t.set_colours(o.colours);
-  contour_style style = o.contour.value_or(t.contour());
-  style.unit = t.contour().unit;
+  contour_style style = t.contour();
+  style.threshold = o.threshold.value_or(style.threshold);
+  style.scale = o.field_scale.value_or(style.scale);
   style.outline = o.outline.value_or(style.outline);
   return t.set_contour(style);
 }
@@ -73,25 +73,34 @@ status draw_band(const Prof& prof, Engine& engine, const scene& s, const draw_op
   return status::ok;
 }
 
-template <profile P>
-status draw_band_with(const scene& s, const draw_options& o, band b, const target& out, band_counts& counts) {
-  using prof = fixed_profile<P>;
+template <class Prof, int Fine = Prof::max_fine_side>
+status draw_band_with(const Prof& prof, const scene& s, const draw_options& o, band b, const target& out, band_counts& counts) {
   if (o.engine == engine_choice::direct) {
-    const auto engine = std::make_unique<direct_engine<prof>>();
-    return draw_band(prof{}, *engine, s, o, b, out, counts.work);
+    const auto engine = std::make_unique<direct_engine<Prof, Fine>>(prof);
+    return draw_band(prof, *engine, s, o, b, out, counts.work);
   }
-  const auto engine = std::make_unique<sim_engine<prof>>(prof{}, o.table, o.sink);
-  SPANTEX_TRY(draw_band(prof{}, *engine, s, o, b, out, counts.work));
+  const auto engine = std::make_unique<sim_engine<Prof, Fine>>(prof, o.table, o.sink);
+  SPANTEX_TRY(draw_band(prof, *engine, s, o, b, out, counts.work));
   counts.machine = engine->counters();
   return status::ok;
 }
 
+// The local memory is the profile's.
+status draw_band_at_run_time(const run_time_profile& prof, const scene& s, const draw_options& o, band b, const target& out, band_counts& counts) {
+  switch (prof.value.fine_side) {
+    case 8: return draw_band_with<run_time_profile, 8>(prof, s, o, b, out, counts);
+    case 16: return draw_band_with<run_time_profile, 16>(prof, s, o, b, out, counts);
+    default: return draw_band_with<run_time_profile, 32>(prof, s, o, b, out, counts);
+  }
+}
+
 status draw_band_by_profile(const scene& s, const draw_options& o, band b, const target& out, band_counts& counts) {
+  if (o.changes.any()) return draw_band_at_run_time({profile_of(o.profile, o.changes)}, s, o, b, out, counts);
   switch (o.profile) {
-    case profile_choice::seed: return draw_band_with<profiles::seed>(s, o, b, out, counts);
-    case profile_choice::compact: return draw_band_with<profiles::compact>(s, o, b, out, counts);
-    case profile_choice::standard: return draw_band_with<profiles::standard>(s, o, b, out, counts);
-    case profile_choice::exact: return draw_band_with<profiles::exact>(s, o, b, out, counts);
+    case profile_choice::seed: return draw_band_with(fixed_profile<profiles::seed>{}, s, o, b, out, counts);
+    case profile_choice::compact: return draw_band_with(fixed_profile<profiles::compact>{}, s, o, b, out, counts);
+    case profile_choice::standard: return draw_band_with(fixed_profile<profiles::standard>{}, s, o, b, out, counts);
+    case profile_choice::exact: return draw_band_with(fixed_profile<profiles::exact>{}, s, o, b, out, counts);
   }
   return status::out_of_range;
 }
@@ -159,6 +168,8 @@ namespace {
 constexpr double depth_ratio_of_bands = 2;
 
 double draw_in_object_space(const scene& s, const draw_options& options, draw_result& result) {
+  for (const texture_map& map : *s.maps)
+    if (map.view().colours() == colour_space::srgb) throw input_error("object space: spreads coded colours: not with an sRGB map");
   object_space_options o;
   o.profile = options.profile;
   o.kind = options.kind;
@@ -176,10 +187,21 @@ double draw_in_object_space(const scene& s, const draw_options& options, draw_re
 
 }  // namespace
 
+profile profile_of(profile_choice choice, const profile_changes& changes) {
+  constexpr profile all[] = {profiles::seed, profiles::compact, profiles::standard, profiles::exact};
+  profile p = all[size_t(choice)];
+  p.formula = changes.level.value_or(p.formula);
+  p.max_samples = changes.max_samples.value_or(p.max_samples);
+  p.sample_slack = changes.sample_slack.value_or(p.sample_slack);
+  if (!is_valid(p)) throw input_error("profile: numbers outside their documented ranges");
+  return p;
+}
+
 draw_result draw(const scene& s, const draw_options& options) {
   draw_result result;
   result.picture = image(s.size.width_px, s.size.height_px, options.background);
   if (!s.maps->empty()) result.format = s.maps->front().view().format();
+  if (!s.maps->empty()) result.colours = s.maps->front().view().colours();
   for (const texture_map& map : *s.maps) result.words_uploaded += map.words_uploaded();
   std::vector<uint32_t> depth(s.uses_depth() ? result.picture.pixels.size() : 0);
   const std::vector<band> bands = make_bands(s.size.height_px, options.sink != nullptr ? 1 : options.threads);

@@ -25,6 +25,14 @@ enum class sampling_space : uint8_t {
   object,   // RD16: a grid on the polygon, spread over the screen (spantex/object_space.hpp); direct engine, one thread
 };
 
+// What may differ from a profile's own choice of method. The bytes are those of a profile that has it so.
+struct profile_changes {
+  std::optional<level_formula> level;
+  std::optional<int> max_samples, sample_slack;  // profile.hpp
+  bool any() const { return level || max_samples || sample_slack; }
+  friend bool operator==(const profile_changes&, const profile_changes&) = default;
+};
+
 template <class T> struct named { std::string_view name; T value; };
 
 inline constexpr std::array<named<profile_choice>, 4> profile_names{
@@ -37,6 +45,8 @@ inline constexpr std::array<named<filter>, 11> filter_names{{{"nearest", filter:
                                                             {"squares", filter::squares}, {"aniso", filter::aniso},
                                                             {"step", filter::step}, {"hat", filter::hat}, {"contour", filter::contour}}};
 inline constexpr std::array<named<sampling_space>, 2> space_names{{{"screen", sampling_space::screen}, {"object", sampling_space::object}}};
+inline constexpr std::array<named<level_formula>, 3> level_names{
+    {{"jacobian", level_formula::jacobian}, {"major", level_formula::major}, {"minor", level_formula::minor}}};
 inline constexpr std::array<named<spantex::alpha_mode>, 4> alpha_names{
     {{"opaque", spantex::alpha_mode::opaque}, {"cut-out", spantex::alpha_mode::cut_out},
      {"blended", spantex::alpha_mode::blended}, {"premultiplied", spantex::alpha_mode::premultiplied}}};
@@ -58,15 +68,17 @@ constexpr std::string_view name_of(const std::array<named<T>, N>& names, T value
   return "?";
 }
 
+profile profile_of(profile_choice choice, const profile_changes& changes);
+
 struct draw_options {
   profile_choice profile = profile_choice::standard;
+  profile_changes changes;
   engine_choice engine = engine_choice::direct;
   filter kind = filter::bilinear;
   sampling_space space = sampling_space::screen;
   shading how{};                     // alpha; colour where an item has none of its own
-  colour_space colours = colour_space::coded;
-  std::optional<contour_style> contour;  // instead of the maps' own; their field_unit is kept
-  std::optional<uint8_t> outline;        // 1/16 pixel, likewise
+  std::optional<uint16_t> threshold, field_scale;  // of contours, u8.8, instead of the maps' own
+  std::optional<uint8_t> outline;                  // 1/16 pixel, likewise
   rgba8 background{0, 0, 0, 255};
   int threads = 1;
   int repeat = 1;
@@ -80,6 +92,7 @@ struct draw_result {
   image picture;
   draw_counters work;                // of one repetition, summed over the threads
   texel_format format = texel_format::rgba8888;  // of the first map
+  colour_space colours = colour_space::coded;    // likewise
   uint64_t words_uploaded = 0;       // 64-bit words of all maps into global texture memory, before drawing
   counters machine;                  // engine sim: summed, total_cycles the longest
   int machines = 0;                  // engines, one per thread that had a row of spans

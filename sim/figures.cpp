@@ -25,7 +25,7 @@ double radians(double degrees) { return degrees * M_PI / 180; }
 
 std::shared_ptr<const map_list> maps_of(const scene_request& r, std::initializer_list<image> pictures) {
   map_list maps;
-  for (const image& p : pictures) maps.emplace_back(p, r.levels, r.wrap_u, r.wrap_v, r.format);
+  for (const image& p : pictures) maps.emplace_back(p, r.levels, r.wrap_u, r.wrap_v, r.format, r.colours);
   return std::make_shared<const map_list>(std::move(maps));
 }
 

@@ -28,6 +28,7 @@ struct scene_request {
   prefilter levels = prefilter::box;
   wrap wrap_u = wrap::repeat, wrap_v = wrap::repeat;
   texel_format format = texel_format::rgba8888;  // of every map
+  colour_space colours = colour_space::coded;    // likewise
   std::optional<image> texture;     // of the three planes; a photographic pattern if empty
   std::shared_ptr<const map_list> maps;  // or their map, prepared: levels and wraps above do not apply
   double turn_degrees = 0;          // of the camera, for turntables

@@ -81,11 +81,23 @@ class inverse {
 };
 
 using channel = uint8_t rgba8::*;
-constexpr channel colours[] = {&rgba8::r, &rgba8::g, &rgba8::b};
+constexpr channel colour_channels[] = {&rgba8::r, &rgba8::g, &rgba8::b};
 
-field field_of(const image& level, channel c, bool times_alpha) {
+field field_of(const image& level, channel c) {
   field f{level.width_px, level.height_px, std::vector<int64_t>(level.pixels.size())};
-  for (size_t k = 0; k < f.values.size(); ++k) f.values[k] = int64_t(level.pixels[k].*c) * (times_alpha ? level.pixels[k].a : 1);
+  for (size_t k = 0; k < f.values.size(); ++k) f.values[k] = level.pixels[k].*c;
+  return f;
+}
+
+// A colour in the units that it is averaged in, alpha-weighted where that is asked for: codes times 0..255, linear light times 0..1 to nearest, so
+// that both stay below 2^16.
+field colour_field(const image& level, channel c, bool times_alpha, colour_space colours) {
+  field f{level.width_px, level.height_px, std::vector<int64_t>(level.pixels.size())};
+  for (size_t k = 0; k < f.values.size(); ++k) {
+    const int64_t x = averaged(level.pixels[k].*c, colours), alpha = level.pixels[k].a;
+    if (!times_alpha) f.values[k] = x;
+    else f.values[k] = colours == colour_space::srgb ? (2 * x * alpha + 255) / 510 : x * alpha;
+  }
   return f;
 }
 
@@ -95,19 +107,20 @@ blur blur_of(int width, int height, int level, prefilter kind) {
   return {side_blur(width, level, kind), side_blur(height, level, kind)};
 }
 
-image inverse_filtered(const image& level, blur x, wrap u, wrap v, alpha_weighting alpha, int threads) {
+image inverse_filtered(const image& level, blur x, wrap u, wrap v, alpha_weighting alpha, int threads, colour_space space) {
   if (x.u == 0 && x.v == 0) return level;
   constexpr int64_t unit = int64_t(1) << inverse::fraction_bits;
   const inverse filter(x, u, v, threads);
   const bool weighted = alpha == alpha_weighting::weighted;
-  const field alphas = filter.applied(field_of(level, &rgba8::a, false));
+  const field alphas = filter.applied(field_of(level, &rgba8::a));
+  const int64_t unit_of_alpha = space == colour_space::srgb ? 255 : 1;  // that colours were multiplied by
   image out = level;
   for (size_t k = 0; k < out.pixels.size(); ++k) out.pixels[k].a = mean(alphas.values[k], unit);
-  for (const channel c : colours) {
-    const field f = filter.applied(field_of(level, c, weighted));
+  for (const channel c : colour_channels) {
+    const field f = filter.applied(colour_field(level, c, weighted, space));
     for (size_t k = 0; k < out.pixels.size(); ++k) {
-      if (!weighted) out.pixels[k].*c = mean(f.values[k], unit);
-      else if (out.pixels[k].a != 0) out.pixels[k].*c = mean(f.values[k], alphas.values[k]);
+      if (!weighted) out.pixels[k].*c = colour_mean(f.values[k], unit, space);
+      else if (out.pixels[k].a != 0) out.pixels[k].*c = colour_mean(f.values[k], alphas.values[k] / unit_of_alpha, space);
     }
   }
   return out;

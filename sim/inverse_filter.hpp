@@ -24,7 +24,8 @@ struct blur { int32_t u = 0, v = 0; };
 blur blur_of(int width, int height, int level, prefilter kind);
 
 // 4 f - 6 x f + 4 x^2 f - x^3 f, exact in 64 bits, rounded once to nearest, halves to even, clamped to 0..255. Beyond the edges as `u` and
-// `v` say. With alpha weighted: of colours multiplied by alpha; where the new alpha is 0 the colour stays.
-image inverse_filtered(const image& level, blur x, wrap u, wrap v, alpha_weighting alpha = alpha_weighting::independent, int threads = 1);
+// `v` say. With alpha weighted: of colours multiplied by alpha; where the new alpha is 0 the colour stays. srgb: colours in linear light, as halved().
+image inverse_filtered(const image& level, blur x, wrap u, wrap v, alpha_weighting alpha = alpha_weighting::independent, int threads = 1,
+                       colour_space colours = colour_space::coded);
 
 }  // namespace spantex::sim

@@ -10,17 +10,20 @@ namespace spantex::sim {
 
 namespace {
 
-std::vector<image> levels_of(image level0, prefilter kind, wrap u, wrap v) {
+std::vector<image> levels_of(image level0, prefilter kind, wrap u, wrap v, colour_space colours) {
   std::vector<image> levels;
   levels.push_back(std::move(level0));
-  while (levels.back().width_px > 1 || levels.back().height_px > 1) levels.push_back(halved(levels.back(), kind, u, v));
+  while (levels.back().width_px > 1 || levels.back().height_px > 1)
+    levels.push_back(halved(levels.back(), kind, u, v, alpha_weighting::independent, 1, colours));
   return levels;
 }
 
 }  // namespace
 
-texture_map::texture_map(image level0, prefilter kind, wrap u, wrap v, texel_format format)
-    : texture_map(levels_of(std::move(level0), kind, u, v), u, v, format) {}
+texture_map::texture_map(image level0, prefilter kind, wrap u, wrap v, texel_format format, colour_space colours)
+    : texture_map(levels_of(std::move(level0), kind, u, v, colours), u, v, format) {
+  view_.set_colours(colours);
+}
 
 void texture_map::set_contour(const contour_style& style) {
   if (const status s = view_.set_contour(style); s != status::ok) throw input_error(std::string("contour: ") + to_string(s));

@@ -18,7 +18,8 @@ namespace spantex::sim {
 class texture_map {
  public:
   // A palette, where the format has one, is made from level 0.
-  texture_map(image level0, prefilter kind, wrap u, wrap v, texel_format format = texel_format::rgba8888);
+  texture_map(image level0, prefilter kind, wrap u, wrap v, texel_format format = texel_format::rgba8888,
+              colour_space colours = colour_space::coded);
   // Levels as they are.
   texture_map(std::vector<image> levels, wrap u, wrap v, texel_format format = texel_format::rgba8888);
   // A pack as it is in a file, used in place. Throws input_error, `name` in front, for a damaged one or one of the other byte order.
@@ -27,6 +28,7 @@ class texture_map {
   texture_map& operator=(texture_map&&) = default;
 
   const texture_view& view() const { return view_; }
+  void set_colours(colour_space space) { view_.set_colours(space); }
   void set_contour(const contour_style& style);  // throws input_error
   const image& level(int index) const { return levels_[size_t(index)]; }  // of a map made from a picture, before encoding
   int level_count() const { return view_.level_count(); }

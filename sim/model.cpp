@@ -73,11 +73,11 @@ wrap to_wrap(int mode) {
   }
 }
 
-texture_map colour_map(const aiMaterial& material, texel_format format) {
+texture_map colour_map(const aiMaterial& material, const model_options& o) {
   aiColor4D c(0.8f, 0.8f, 0.8f, 1);
   aiGetMaterialColor(&material, AI_MATKEY_COLOR_DIFFUSE, &c);
   const auto byte = [](float x) { return uint8_t(lround(255 * std::clamp(double(x), 0.0, 1.0))); };
-  return {image(1, 1, {byte(c.r), byte(c.g), byte(c.b), 255}), prefilter::box, wrap::repeat, wrap::repeat, format};
+  return {image(1, 1, {byte(c.r), byte(c.g), byte(c.b), 255}), prefilter::box, wrap::repeat, wrap::repeat, o.format, o.colours};
 }
 
 texture_map material_map(const aiScene& file, const aiMaterial& material, const std::string& path, const model_options& o) {
@@ -91,9 +91,9 @@ texture_map material_map(const aiScene& file, const aiMaterial& material, const 
     int u = aiTextureMapMode_Wrap, v = aiTextureMapMode_Wrap;
     aiGetMaterialInteger(&material, AI_MATKEY_MAPPINGMODE_U(type, 0), &u);
     aiGetMaterialInteger(&material, AI_MATKEY_MAPPINGMODE_V(type, 0), &v);
-    return {std::move(picture), o.levels, o.wrap_u.value_or(to_wrap(u)), o.wrap_v.value_or(to_wrap(v)), o.format};
+    return {std::move(picture), o.levels, o.wrap_u.value_or(to_wrap(u)), o.wrap_v.value_or(to_wrap(v)), o.format, o.colours};
   }
-  return colour_map(material, o.format);
+  return colour_map(material, o);
 }
 
 // Whole periods taken off, so that coordinates stay small; clamped maps stay as they are.

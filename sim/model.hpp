@@ -18,6 +18,7 @@ struct model_options {
   prefilter levels = prefilter::box;
   std::optional<wrap> wrap_u, wrap_v;  // instead of the material's
   texel_format format = texel_format::rgba8888;
+  colour_space colours = colour_space::coded;
 };
 
 // Throws input_error: unreadable file, no face that has an area, no texture coordinates at all or none in a mesh with a texture, a

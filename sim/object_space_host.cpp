@@ -131,6 +131,7 @@ void draw_with(const scene& s, const object_space_options& o, object_space_resul
     out.items_left_out += polygons.empty() ? 1 : 0;
     for (const shown_polygon& p : polygons) draw_one(item, p);
   }
+  if (const status done = r->finish(); done != status::ok) throw input_error(s.name + ": " + to_string(done));
   out.samples = r->counters();
   out.texturing = r->texturing();
 }

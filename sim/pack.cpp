@@ -146,6 +146,14 @@ void put_facts(bytes& pack, const facts& f, bool srgb) {
   put16(pack, 24, f.uniform_levels);
 }
 
+void put_contour(bytes& pack, const contour_style& s) {
+  put16(pack, 20, uint32_t(pack[20] | pack[21] << 8) | uint32_t(pf::contour));
+  put16(pack, 32, s.threshold);
+  put16(pack, 34, s.scale);
+  pack[36] = s.outline;
+  pack[37] = uint8_t(s.unit);
+}
+
 void align(bytes& pack) { pack.resize(pf::aligned(uint32_t(pack.size()))); }
 
 void append_palette(bytes& pack, const palette& colours) {
@@ -191,15 +199,16 @@ void tell(const compile_options& o, const image& level) {
 
 std::vector<image> filtered_levels(const image& level0, const compile_options& o) {
   const int count = level_count_of(level0, o);
+  const colour_space space = o.srgb ? colour_space::srgb : colour_space::coded;
   std::vector<image> levels{level0};
   while (int(levels.size()) < count) {
-    levels.push_back(halved(levels.back(), o.levels, o.wrap_u, o.wrap_v, o.alpha, o.threads));
+    levels.push_back(halved(levels.back(), o.levels, o.wrap_u, o.wrap_v, o.alpha, o.threads, space));
     tell(o, levels.back());
   }
   if (!o.inverse) return levels;
   for (int k = 1; k < count; ++k) {
     const blur x = blur_of(level0.width_px, level0.height_px, k, o.levels);
-    levels[size_t(k)] = inverse_filtered(levels[size_t(k)], x, o.wrap_u, o.wrap_v, o.alpha, o.threads);
+    levels[size_t(k)] = inverse_filtered(levels[size_t(k)], x, o.wrap_u, o.wrap_v, o.alpha, o.threads, space);
     tell(o, levels[size_t(k)]);
   }
   return levels;
@@ -262,10 +271,10 @@ int compile_parts(const image& level0, const compile_options& o) {
   return parts;
 }
 
-bytes compile_pack(const image& level0, const compile_options& o) {
-  const palette colours = compile_palette(level0, o);
-  const std::vector<image> levels = levels_with(level0, colours, o);
-  bytes pack = header_of(level0, o);
+namespace {
+
+bytes pack_of(const std::vector<image>& levels, const palette& colours, const compile_options& o, const contour_style* style) {
+  bytes pack = header_of(levels[0], o);
   const size_t header_bytes = pack.size();
   append_palette(pack, colours);
   facts f;
@@ -276,8 +285,25 @@ bytes compile_pack(const image& level0, const compile_options& o) {
     append_level(pack, k, in_order(texels, o.format, o.order));
   }
   put_facts(pack, f, o.srgb);
+  if (style != nullptr) put_contour(pack, *style);
   seal(pack, header_bytes);
   return pack;
+}
+
+}  // namespace
+
+bytes compile_pack(const image& level0, const compile_options& o) {
+  const palette colours = compile_palette(level0, o);
+  return pack_of(levels_with(level0, colours, o), colours, o, nullptr);
+}
+
+bytes compile_contour_pack(const std::vector<image>& levels, const contour_style& style, const compile_options& options) {
+  compile_options o = options;
+  o.level_count = int(levels.size());
+  o.srgb = false;
+  o.alpha_threshold = 0;
+  const int most = palette_size(o.format);
+  return pack_of(levels, most == 0 ? palette{} : make_palette(levels[0], most), o, &style);
 }
 
 bool is_pack(const bytes& data) { return data.size() >= sizeof pf::magic && memcmp(data.data(), pf::magic, sizeof pf::magic) == 0; }

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include <spantex/contour_style.hpp>
 #include <spantex/pack.hpp>
 #include "encode.hpp"
 #include "file.hpp"
@@ -22,7 +23,7 @@ struct compile_options {
   bool inverse = false;
   uint8_t alpha_threshold = 0;  // of an alpha test whose coverage the levels keep; 0: none
   int level_count = 0;          // 0: all
-  bool srgb = false;            // marks the pack; colours are filtered as they are
+  bool srgb = false;            // colours are sRGB codes: averaged in linear light, and the pack says so
   pack_format::byte_order order = pack_format::native_order;  // of 16-bit texels
   int threads = 1;
   progress_callback parts_done;  // compile_pack
@@ -42,6 +43,9 @@ palette compile_palette(const image& level0, const compile_options& options);
 std::vector<image> compile_levels(const image& level0, const compile_options& options);
 
 bytes compile_pack(const image& level0, const compile_options& options);
+
+// A contour map from its levels (distance_field.hpp), which stay as they are: of the options the format, wraps, byte order and threads count.
+bytes compile_contour_pack(const std::vector<image>& levels, const contour_style& style, const compile_options& options);
 int compile_parts(const image& level0, const compile_options& options);  // how many parts_done is told of
 
 // The share of texels with alpha >= threshold is brought as near to kept / texels as whole alphas allow: with t the alpha that so many texels

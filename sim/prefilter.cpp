@@ -81,8 +81,11 @@ axis_filter windowed_axis(int32_t fine, int32_t coarse, prefilter kind) {
 
 using sums = std::array<int64_t, channel_count>;
 
-sums channels(const rgba8& c) { return {c.r, c.g, c.b, c.a}; }
-sums premultiplied(const rgba8& c) { return {c.r * c.a, c.g * c.a, c.b * c.a, c.a}; }
+sums channels(const rgba8& c, colour_space in) { return {averaged(c.r, in), averaged(c.g, in), averaged(c.b, in), c.a}; }
+// Below 2^24; with the weights of both axes, whose magnitudes add up to less than 2^34, below 2^58.
+sums premultiplied(const rgba8& c, colour_space in) {
+  return {averaged(c.r, in) * c.a, averaged(c.g, in) * c.a, averaged(c.b, in) * c.a, c.a};
+}
 
 void add_weighted(sums& s, const sums& c, int64_t weight) {
   for (size_t k = 0; k < channel_count; ++k) s[k] += weight * c[k];
@@ -91,9 +94,9 @@ void add_weighted(sums& s, const sums& c, int64_t weight) {
 // One map and the two axes that halve it.
 class halving {
  public:
-  halving(const image& fine, prefilter kind, wrap u, wrap v, alpha_weighting alpha)
+  halving(const image& fine, prefilter kind, wrap u, wrap v, alpha_weighting alpha, colour_space colours)
       : fine_(fine), columns_(make_axis_filter(fine.width_px, kind)), rows_(make_axis_filter(fine.height_px, kind)), u_(u), v_(v),
-        weighted_(alpha == alpha_weighting::weighted), total_(columns_.weight_sum * rows_.weight_sum) {}
+        weighted_(alpha == alpha_weighting::weighted), in_(colours), total_(columns_.weight_sum * rows_.weight_sum) {}
 
   int width() const { return columns_.coarse; }
   int height() const { return rows_.coarse; }
@@ -104,11 +107,14 @@ class halving {
       const taps& across = columns_.outputs[size_t(x)];
       sums s{};
       for (size_t k = 0; k < across.weight.size(); ++k) add_weighted(s, filtered_down[size_t(column(across, k))], across.weight[k]);
-      out[x] = weighted_ ? divided(s, x, y) : rgba8{mean(s[0], total_), mean(s[1], total_), mean(s[2], total_), mean(s[3], total_)};
+      out[x] = weighted_ ? divided(s, x, y) : colour(s, total_, mean(s[3], total_));
     }
   }
 
  private:
+  rgba8 colour(const sums& s, int64_t total, uint8_t alpha) const {
+    return {colour_mean(s[0], total, in_), colour_mean(s[1], total, in_), colour_mean(s[2], total, in_), alpha};
+  }
   int32_t column(const taps& t, size_t k) const { return wrapped(u_, t.first + int32_t(k), fine_.width_px); }
   int32_t line(const taps& t, size_t k) const { return wrapped(v_, t.first + int32_t(k), fine_.height_px); }
 
@@ -117,16 +123,14 @@ class halving {
     for (size_t k = 0; k < down.weight.size(); ++k) {
       const rgba8* texels = &fine_.at(0, line(down, k));
       for (size_t x = 0; x < line_sums.size(); ++x)
-        add_weighted(line_sums[x], weighted_ ? premultiplied(texels[x]) : channels(texels[x]), down.weight[k]);
+        add_weighted(line_sums[x], weighted_ ? premultiplied(texels[x], in_) : channels(texels[x], in_), down.weight[k]);
     }
     return line_sums;
   }
 
   rgba8 divided(const sums& s, int x, int y) const {
     const uint8_t alpha = mean(s[3], total_);
-    if (alpha != 0) return {mean(s[0], s[3]), mean(s[1], s[3]), mean(s[2], s[3]), alpha};
-    const rgba8 c = under_magnitudes(x, y);
-    return {c.r, c.g, c.b, 0};
+    return alpha != 0 ? colour(s, s[3], alpha) : under_magnitudes(x, y);
   }
 
   // Under the kernel's magnitudes, weighted by alpha; if all texels are transparent, by none.
@@ -138,31 +142,38 @@ class halving {
       for (size_t i = 0; i < across.weight.size(); ++i) {
         const rgba8& c = fine_.at(column(across, i), line(down, j));
         const int64_t w = std::abs(int64_t(across.weight[i]) * down.weight[j]);
-        add_weighted(opaque, premultiplied(c), w);
-        add_weighted(all, channels(c), w);
+        add_weighted(opaque, premultiplied(c, in_), w);
+        add_weighted(all, channels(c, in_), w);
         weights += w;
       }
     const sums& s = opaque[3] > 0 ? opaque : all;
     const int64_t total = opaque[3] > 0 ? opaque[3] : weights;
-    return {mean(s[0], total), mean(s[1], total), mean(s[2], total), 0};
+    return colour(s, total, 0);
   }
 
   const image& fine_;
   axis_filter columns_, rows_;
   wrap u_, v_;
   bool weighted_;
+  colour_space in_;
   int64_t total_;
 };
 
 }  // namespace
 
 // Halves to even keeps the mean of a map; a sum below zero, or above, is a negative lobe's.
-uint8_t mean(int64_t x, int64_t total) {
+int64_t mean_up_to(int64_t most, int64_t x, int64_t total) {
   if (x <= 0) return 0;
   const int64_t whole = x / total, rest = x % total;
-  if (whole >= 255) return 255;
+  if (whole >= most) return most;
   const bool up = rest > total - rest || (rest == total - rest && whole % 2 != 0);
-  return uint8_t(whole + (up ? 1 : 0));
+  return whole + (up ? 1 : 0);
+}
+
+uint8_t mean(int64_t x, int64_t total) { return uint8_t(mean_up_to(255, x, total)); }
+
+uint8_t colour_mean(int64_t x, int64_t total, colour_space colours) {
+  return colours == colour_space::srgb ? srgb_encoded(uint32_t(mean_up_to(65535, x, total))) : mean(x, total);
 }
 
 axis_filter make_axis_filter(int32_t size, prefilter kind) {
@@ -177,8 +188,8 @@ axis_filter make_axis_filter(int32_t size, prefilter kind) {
   return a;
 }
 
-image halved(const image& fine, prefilter kind, wrap u, wrap v, alpha_weighting alpha, int threads) {
-  const halving h(fine, kind, u, v, alpha);
+image halved(const image& fine, prefilter kind, wrap u, wrap v, alpha_weighting alpha, int threads, colour_space colours) {
+  const halving h(fine, kind, u, v, alpha, colours);
   image coarse(h.width(), h.height(), {});
   for_each_index(h.height(), threads, [&](int y) { h.row(y, &coarse.at(0, y)); });
   return coarse;

@@ -18,6 +18,7 @@
 
 #include <vector>
 
+#include <spantex/srgb.hpp>
 #include <spantex/wrap.hpp>
 #include "image.hpp"
 #include "parallel.hpp"
@@ -53,9 +54,18 @@ enum class alpha_weighting : uint8_t {
                 // Where the coarse alpha is 0 the colour is that of the opaque texels under the kernel's magnitudes
 };
 
-image halved(const image& fine, prefilter kind, wrap u, wrap v, alpha_weighting alpha = alpha_weighting::independent, int threads = 1);
+// srgb: colours are averaged in linear light, 16 bits, and become codes again by the engine's own rule (spantex/srgb.hpp).
+image halved(const image& fine, prefilter kind, wrap u, wrap v, alpha_weighting alpha = alpha_weighting::independent, int threads = 1,
+             colour_space colours = colour_space::coded);
 
-// x / total to nearest, halves to even, clamped to 0..255; total > 0.
-uint8_t mean(int64_t x, int64_t total);
+// A sum of colours in the units that they are averaged in over `total`, as a code.
+uint8_t colour_mean(int64_t x, int64_t total, colour_space colours);
+
+// x / total to nearest, halves to even, clamped to 0..most; total > 0.
+int64_t mean_up_to(int64_t most, int64_t x, int64_t total);
+uint8_t mean(int64_t x, int64_t total);  // 0..255
+
+// A colour's code in the units that it is averaged in: itself, or 16 bits of linear light.
+constexpr int64_t averaged(uint8_t code, colour_space colours) { return colours == colour_space::srgb ? srgb_decoded(code) : code; }
 
 }  // namespace spantex::sim

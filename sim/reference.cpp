@@ -3,6 +3,8 @@
 
 #include <math.h>
 
+#include <array>
+
 #include <spantex/coverage.hpp>
 
 namespace spantex::sim {
@@ -17,14 +19,31 @@ int32_t wrapped_index(wrap mode, double whole, int32_t size) {
   return wrapped(mode, int32_t(fmod(whole, 2.0 * size)), size);
 }
 
-void add_scaled(ideal_colour& sum, const rgba8& c, double weight) {
-  sum[0] += weight * c.r;
-  sum[1] += weight * c.g;
-  sum[2] += weight * c.b;
-  sum[3] += weight * c.a;
+ideal_colour to_ideal(rgba8 c) { return {double(c.r), double(c.g), double(c.b), double(c.a)}; }
+
+// IEC 61966-2-1, both scaled to 255.
+double to_linear(double code) {
+  const double x = code / 255;
+  return 255 * (x <= 0.04045 ? x / 12.92 : pow((x + 0.055) / 1.055, 2.4));
+}
+double to_code(double linear) {
+  const double x = linear / 255;
+  return 255 * (x <= 0.0031308 ? 12.92 * x : 1.055 * pow(x, 1 / 2.4) - 0.055);
 }
 
-ideal_colour to_ideal(rgba8 c) { return {double(c.r), double(c.g), double(c.b), double(c.a)}; }
+// A texel in the units that the map's colours are averaged in.
+ideal_colour light_of(const texture_view& t, rgba8 c) {
+  static const std::array<double, 256> linear = [] {
+    std::array<double, 256> all{};
+    for (size_t k = 0; k < all.size(); ++k) all[k] = to_linear(double(k));
+    return all;
+  }();
+  return t.colours() == colour_space::srgb ? ideal_colour{linear[c.r], linear[c.g], linear[c.b], double(c.a)} : to_ideal(c);
+}
+
+void add_scaled(ideal_colour& sum, const ideal_colour& c, double weight) {
+  for (size_t k = 0; k < c.size(); ++k) sum[k] += weight * c[k];
+}
 
 ideal_colour mean_over_pixel(const matrix& m, const texture_view& t, int i, int j) {
   ideal_colour sum{};
@@ -33,11 +52,12 @@ ideal_colour mean_over_pixel(const matrix& m, const texture_view& t, int i, int 
     for (int a = 0; a < reference_grid; ++a) {
       const ideal_position p = position(m, i + (a + 0.5) / reference_grid, j + (b + 0.5) / reference_grid);
       if (!(p.w > 0)) continue;
-      const ideal_colour c = sample_bilinear(t, 0, p.u, p.v);
-      for (size_t k = 0; k < c.size(); ++k) sum[k] += c[k];
+      add_scaled(sum, sample_bilinear(t, 0, p.u, p.v), 1);
       ++count;
     }
   for (double& x : sum) x /= count > 0 ? count : 1;
+  if (t.colours() == colour_space::srgb)
+    for (size_t k = 0; k < 3; ++k) sum[k] = to_code(sum[k]);
   return sum;
 }
 
@@ -71,10 +91,10 @@ ideal_colour sample_bilinear(const texture_view& t, int level, double u, double 
   const int32_t x0 = wrapped_index(t.wrap_u(), left, t.width(level)), x1 = wrapped_index(t.wrap_u(), left + 1, t.width(level));
   const int32_t y0 = wrapped_index(t.wrap_v(), top, t.height(level)), y1 = wrapped_index(t.wrap_v(), top + 1, t.height(level));
   ideal_colour sum{};
-  add_scaled(sum, t.texel(level, x0, y0), (1 - fu) * (1 - fv));
-  add_scaled(sum, t.texel(level, x1, y0), fu * (1 - fv));
-  add_scaled(sum, t.texel(level, x0, y1), (1 - fu) * fv);
-  add_scaled(sum, t.texel(level, x1, y1), fu * fv);
+  add_scaled(sum, light_of(t, t.texel(level, x0, y0)), (1 - fu) * (1 - fv));
+  add_scaled(sum, light_of(t, t.texel(level, x1, y0)), fu * (1 - fv));
+  add_scaled(sum, light_of(t, t.texel(level, x0, y1)), (1 - fu) * fv);
+  add_scaled(sum, light_of(t, t.texel(level, x1, y1)), fu * fv);
   return sum;
 }
 

@@ -42,7 +42,7 @@ struct latencies {
   int cycles_per_transfer = 1;     // of port_words words
   int burst_start_cycles = 4;      // from the request of a burst to its first word
   int coefficient_words = int((sizeof(span_coefficients) - sizeof(axis_terms) - sizeof(contour_terms) + 7) / 8);  // 64-bit words of a span's coefficients
-  int axis_words = int((sizeof(axis_terms) + 7) / 8);  // more, for filters with a footprint
+  int axis_words = int((sizeof(axis_terms) + 7) / 8);  // more, for filters with a footprint and contour
   int contour_words = int((sizeof(contour_terms) + 7) / 8);  // more, for filter contour
   int cycles_per_pixel = 1;        // issue rate of the pipeline
   int coordinate_fill_cycles = 6;  // w; three powers of e, or table and two Newton steps; product; snapping and correction

@@ -19,6 +19,10 @@ STRESS = ["stress", "a_short_run*", [f"sim/stress{part}.cpp" for part in ("", "_
 OBJECT_SPACE = ["sim/" + name + ".cpp" for name in ("distance_field", "draw_host", "encode", "encode_bc", "encode_etc", "figures", "file", "ideal",
                                                     "image", "map", "object_space_host", "palette", "pattern", "prefilter", "quality", "reference",
                                                     "scene", "trace", "world")]
+MAPS = ["sim/" + name + ".cpp" for name in ("encode", "encode_bc", "encode_etc", "file", "image", "map", "palette", "pattern", "prefilter")]
+PACKS = MAPS + ["sim/pack.cpp", "sim/inverse_filter.cpp"]
+FIELDS = PACKS + ["sim/distance_field.cpp"]
+LIBRARIES = {"bc": ["-lsquish"]}  # that a suite links
 
 # name, file, what stands there, what it is broken into, suite, case, further sources the suite links
 GATES = [
@@ -162,8 +166,58 @@ GATES = [
     ("depth of cut-outs stored before they are known", F + "draw.hpp", "if (stores) stored = z;", "(void)stores, stored = z;", "shade", "a_cut_out*", []),
     ("blend rounded down", F + "shade.hpp", "  x += 128;\n", "  x += 127;\n", "shade", "blends*", []),
     ("colours cut to 16 bits of W", F + "shade.hpp", "const inverse over_w = invert(w);", "const inverse over_w = invert(w >> 30 << 30);", "shade", "colours_are*", []),
-    ("magnified contours not steepened", F + "contour.hpp", "return clamp_to(unit - lambda -", "return clamp_to(unit - (lambda < 0 ? 0 : lambda) -", "contour",
-     "outlines*", []),
+    ("magnified contours not steepened", F + "contour.hpp", "return clamp_to(unit - across_log2(prof, c, d, i, j) -",
+     "return clamp_to(unit - max_of(0, across_log2(prof, c, d, i, j)) -", "contour", "outlines*sixteenth*", []),
+    ("contours by the longer axis alone", F + "contour.hpp", "int32_t across = length == 0 ?", "int32_t across = length != 1 ?", "contour", "outlines*tilted*", []),
+    ("contours by the Jacobian, not its transposed", F + "contour.hpp", "detail::squares(d.u * ux + d.v * vx, d.u * uy + d.v * vy)",
+     "detail::squares(d.u * ux + d.v * uy, d.u * vx + d.v * vy)", "contour", "outlines*tilted*", []),
+    ("contours without the perspective", F + "contour.hpp", "across -= 2 * (log2_16", "across -= 0 * (log2_16", "contour", "*tilted*", []),
+    ("contours of a span without the Jacobian's twist", F + "contour.hpp", "c.axis.b_u = slope(c.a_u, c.h) - slope(c.b_u, c.g);", "c.axis.b_u = 0;", "contour", "*tilted*", []),
+    ("contours clamped in seed", F + "plan.hpp", "q.overflow == overflow_policy::clamp ? overflow_policy::coarser : q.overflow;", "q.overflow == overflow_policy::clamp ? q.overflow : q.overflow;",
+     "contour", "cheaper*", []),
+    ("own units of a contour forgotten", F + "contour.hpp", "const int32_t unit = c.contour.own_units ?", "const int32_t unit = !c.contour.own_units ?", "contour", "the_distance*", []),
+    ("outline of half its width", F + "contour.hpp", "outline * (1 << 11)", "outline * (1 << 10)", "contour", "coverage*", []),
+    ("distances of a field without the half between", "sim/distance_field.cpp", "root_256(square) - 128", "root_256(square)", "distance_field", "signed*", FIELDS),
+    ("levels of a field in texels of level 0", "sim/distance_field.cpp", "count * 256 * (int64_t(1) << level)", "count * 256 * (int64_t(1) << (0 * level))", "distance_field", "levels_hold*", FIELDS),
+    ("packs forget the scale of a field", F + "pack.hpp", "return {r.u16(32), r.u16(34), r.u8(36),", "return {r.u16(32), uint16_t(r.u16(34) | 4096), r.u8(36),", "distance_field", "packs_hold*", FIELDS),
+    # formats
+    ("red and blue of rgb888 swapped", F + "texel.hpp", "return {p[0], p[1], p[2], 255};", "return {p[2], p[1], p[0], 255};", "formats", "every_byte*", MAPS),
+    ("alpha of la88 lost", F + "texel.hpp", "return {p[0], p[0], p[0], p[1]};", "return {p[0], p[0], p[0], 255};", "formats", "every_byte*", MAPS),
+    ("a8 in white", F + "texel.hpp", "return {0, 0, 0, p[0]};", "return {255, 255, 255, p[0]};", "formats", "every_byte*", MAPS),
+    ("luminance cut", F + "texel.hpp", "29 * c.b + 128) >> 8)", "29 * c.b) >> 8)", "formats", "luminance*", MAPS),
+    ("nibbles of palette4 swapped", F + "texel.hpp", "(x & 1 ? 0 : 4)", "(x & 1 ? 4 : 0)", "formats", "palette4*", MAPS),
+    ("indices beyond the palette read on", F + "texture.hpp", "index < palette_count_ ? palette_[index] : rgba8{0, 0, 0, 0}", "palette_[index < palette_count_ ? index : 0]", "formats", "every_byte*", MAPS),
+    ("rows of blocks too short", F + "texture.hpp", "(by * blocks_across(width(level)) + bx)", "(by * (width(level) / block_side) + bx)", "formats", "every_texel*", MAPS),
+    ("a cell read from the held block alone", F + "loader.hpp", "    if (index != held_) {", "    if (held_ < 0) {", "formats", "the_loader*", MAPS),
+    ("a block decoded for each texel", F + "loader.hpp", "      held_ = index;", "      held_ = -1;", "formats", "a_block*", MAPS),
+    ("cut cells read across the cut", F + "loader.hpp", "== x[1] / block_side ? 1 : 2;", "== x[1] / block_side ? 2 : 1;", "formats", "a_block*", MAPS),
+    ("two thirds rounded", F + "bc.hpp", "uint8_t((2 * x + y) / 3)", "uint8_t((2 * x + y + 1) / 3)", "bc", "random*", MAPS),
+    ("three colours never", F + "bc.hpp", "if (three_allowed && c0 <= c1)", "if (three_allowed && c0 < c1)", "bc", "*end_points*", MAPS),
+    ("bc2 and bc3 with three colours", F + "bc.hpp", "decode_bc_colours(p + 8, false, out);\n  uint8_t alpha[8]{};", "decode_bc_colours(p + 8, true, out);\n  uint8_t alpha[8]{};", "bc", "random*", MAPS),
+    ("alphas of bc3 in six steps", F + "bc.hpp", "a0 > a1 ? 7 : 5", "a0 >= a1 ? 7 : 5", "bc", "*alphas*", MAPS),
+    ("second table of ETC's halves for both", F + "etc.hpp", "all.paint[(by_rows ? y : x) / 2]", "all.paint[(by_rows ? x : y) / 2]", "etc", "individual*", MAPS),
+    ("signs of differential colours lost", F + "etc.hpp", "(e.field(top - 5, top - 7) ^ 4) - 4", "e.field(top - 5, top - 7)", "etc", "differential*", MAPS),
+    ("order of H's colours ignored", F + "etc.hpp", "rgb_number(c1) >= rgb_number(c2) ? 1 : 0", "rgb_number(c1) >= rgb_number(c2) ? 1 : 1", "etc", "h_mode*", MAPS),
+    ("planar blocks not rounded", F + "etc.hpp", "4 * o + 2) >> 2", "4 * o) >> 2", "etc", "planar*", MAPS),
+    ("alpha of EAC by rows", F + "etc.hpp", "out.texel[4 * (n % 4) + 2 * half + n / 4]", "out.texel[n + 8 * half]", "etc", "eac*", MAPS),
+    ("punch-through opaque", F + "etc.hpp", "paint[2] = opaque ? etc_moved(base, -a) : etc_transparent;", "paint[2] = etc_moved(base, -a);", "etc", "punch*", MAPS),
+    # packs
+    ("payload of a pack not checked", F + "pack.hpp", "if (check == payload_check::crc &&", "if (check != payload_check::crc &&", "pack", "every_flipped*", PACKS),
+    ("cut packs opened", F + "pack.hpp", "return r.size < r.u32(8) ? status::pack_truncated : status::ok;", "return status::ok;", "pack", "every_cut*", PACKS),
+    ("levels of a pack anywhere", F + "pack.hpp", "if (r.u32(entry) != next ||", "if (r.u32(entry) == next + 1 ||", "pack", "each_kind*", PACKS),
+    ("facts of level 0 alone", "sim/pack.cpp", "f.opaque = f.opaque && c.a == 255;", "f.opaque = (k > 0 && f.opaque) || c.a == 255;", "pack", "facts*", PACKS),
+    ("coverage not kept down the levels", "sim/pack.cpp", "if (&level != &levels[0]) keep_coverage(", "if (&level == &levels[0]) keep_coverage(", "pack", "levels_keep*", PACKS),
+    ("packs that do not say sRGB", F + "pack.hpp", "if (p.srgb()) p.view_.set_colours(", "if (!p.srgb()) p.view_.set_colours(", "srgb_levels", "packs*", PACKS),
+    ("levels of sRGB maps averaged as coded", "sim/prefilter.hpp", "return colours == colour_space::srgb ? srgb_decoded(code) : code;", "return colours == colour_space::srgb ? code * 257 : code;",
+     "srgb_levels", "a_level*", PACKS),
+    ("alpha-weighted sharpening of sRGB maps by alpha twice", "sim/inverse_filter.cpp", "colours == colour_space::srgb ? (2 * x * alpha + 255) / 510", "colours == colour_space::srgb ? (2 * x * 255 + 255) / 510",
+     "srgb_levels", "a_constant*", PACKS),
+    # object space
+    ("samples nearest, not spread", F + "object_space.hpp", "add(px + 1, py + 1, colour, f * g);", "add(px + 1, py + 1, colour, 0 * f * g);", "object_space", "*tilted_and_grazing*", OBJECT_SPACE),
+    ("normal turned the other way", F + "object_space.hpp", "sin_a = ratio_s1_30(y, length);", "sin_a = -ratio_s1_30(y, length);", "object_space", "the_rotation*", OBJECT_SPACE),
+    ("pixels of object space may overflow", F + "object_space.hpp", "if (weight > max_pixel_weight - p.weight) return false;", "if (weight > 2 * max_pixel_weight - p.weight) return false;", "object_space", "a_full*", OBJECT_SPACE),
+    ("object space at half the level", F + "object_space.hpp", "detail::level_term(max_of(logs.x, logs.y) + (1 << 16) - 2 * w_log2)", "detail::level_term(max_of(logs.x, logs.y) - 2 * w_log2)", "object_space", "the_level*", OBJECT_SPACE),
+    ("an end of the frame for each block", F + "object_space.hpp", "SPANTEX_TRY(texturing_.flush());", "SPANTEX_TRY(texturing_.finish());", "object_space", "a_frame*", OBJECT_SPACE),
     ("coarser field not in the finer one's texels", F + "contour.hpp", "(c.contour.own_units ? 2 : 1)", "(c.contour.own_units ? 1 : 1)", "contour", "outlines*", []),
     ("alpha decoded", F + "datapath.hpp", "c.linear_light && channel != alpha_channel;", "c.linear_light && channel <= alpha_channel;", "srgb", "light*", []),
     ("encoding biased by a unit", F + "srgb.hpp", "if (2 * linear >=", "if (2 * linear + 20 >=", "srgb", "encoding*", []),
@@ -187,7 +241,7 @@ def test_of(tree, folder, gate):
     if suite == "scripts":
         return None, ["/usr/bin/python3", str(tree / f"tests/scripts/{case}.py"), "--links"]
     program = folder / "program"
-    return [os.environ.get("CXX", "g++"), *FLAGS, f"tests/unit/{suite}.cpp", *sources, "-o", str(program), *LINK], [str(program)]
+    return [os.environ.get("CXX", "g++"), *FLAGS, f"tests/unit/{suite}.cpp", *sources, "-o", str(program), *LINK, *LIBRARIES.get(suite, [])], [str(program)]
 
 
 def reason_of_silence(tree, folder, gate):

@@ -20,6 +20,7 @@ span_coefficients whole_map_coefficients(const Prof& prof, const surface& s, int
       if (uses_area(s.kind)) return c;
       if (uses_footprint(s.kind)) span_axis(q, c);
       else formula_levels(q, *s.map, r, c);
+      if (s.kind == filter::contour) span_contour(q, c);
       return c;
     }
   }
@@ -29,18 +30,23 @@ span_coefficients whole_map_coefficients(const Prof& prof, const surface& s, int
   if (uses_area(s.kind)) return c;
   if (uses_footprint(s.kind)) pixel_axis(*s.map, q, hx, hy, c);
   else formula_levels_of_pixel(q, *s.map, r, hx, hy, c);
+  if (s.kind == filter::contour) pixel_contour(*s.map, r, hx, hy, c);
   return c;
 }
 
 inline uint32_t channel_of(rgba8 c, int k) { return k == 0 ? c.r : k == 1 ? c.g : k == 2 ? c.b : c.a; }
 
-// One level of one channel at a position.
-inline partial_colour whole_map_blend(const profile& q, const texture_view& t, filter kind, int level, const snapped_position& p,
-                                      int channel) {
+inline texels2x2 whole_map_texels(const texture_view& t, int level, const snapped_position& p, int channel) {
   const auto texel = [&](int x, int y) {
     return channel_of(t.texel(level, t.wrapped_u(p.u + x, level), t.wrapped_v(p.v + y, level)), channel);
   };
-  const texels2x2 four{texel(0, 0), texel(1, 0), texel(0, 1), texel(1, 1)};
+  return {texel(0, 0), texel(1, 0), texel(0, 1), texel(1, 1)};
+}
+
+// One level of one channel at a position.
+inline partial_colour whole_map_blend(const profile& q, const texture_view& t, filter kind, int level, const snapped_position& p,
+                                      int channel) {
+  const texels2x2 four = whole_map_texels(t, level, p, channel);
   return uses_three_points(kind) ? three_point(four, p.fraction, q) : four_point(four, p.fraction, q);
 }
 
@@ -135,7 +141,9 @@ rgba8 whole_map_pixel(const Prof& prof, const surface& s, int32_t x, int32_t y) 
       const snapped_position coarse = two ? snap(at, whole_level(t, level + 1), s.kind, q) : fine;
       const partial_colour above = two ? whole_map_blend(q, t, s.kind, level + 1, coarse, k) : colour;
       const uint32_t fraction = two ? uint32_t(detail - (level << q.level_bits)) : 0;
-      out[k] = contour_coverage(contour_distance(prof, c, contour_field(colour, above, fraction, c, q), i, j), c.contour.outline);
+      field_gradient d = gradient_of(whole_map_texels(t, level, fine, k), fine.fraction, q.subtexel_bits);
+      if (two) d = between_levels(d, gradient_of(whole_map_texels(t, level + 1, coarse, k), coarse.fraction, q.subtexel_bits), fraction, q.level_bits);
+      out[k] = contour_coverage(contour_distance(prof, c, contour_field(colour, above, fraction, c, q), d, i, j), c.contour.outline);
       continue;
     }
     if (uses_two_levels(s.kind)) colour = kept_of_level(colour, q);

@@ -139,9 +139,14 @@ template <class Prof>
 constexpr uint8_t contour_alpha(const Prof& prof, fetched f, const sample_point& s, const span_coefficients& c, int i, int j) {
   const profile& q = prof.get();
   const partial_colour fine = four_point(fine_texels(f), s.fine.fraction, q);
-  const partial_colour coarse = c.two_levels ? four_point(coarse_texels(f), s.coarse.fraction, q) : fine;
+  field_gradient gradient = gradient_of(fine_texels(f), s.fine.fraction, q.subtexel_bits);
+  partial_colour coarse = fine;
+  if (c.two_levels) {
+    coarse = four_point(coarse_texels(f), s.coarse.fraction, q);
+    gradient = between_levels(gradient, gradient_of(coarse_texels(f), s.coarse.fraction, q.subtexel_bits), s.level_fraction, q.level_bits);
+  }
   const int32_t field = contour_field(fine, coarse, s.level_fraction, c, q);
-  return contour_coverage(contour_distance(prof, c, field, i, j), c.contour.outline);
+  return contour_coverage(contour_distance(prof, c, field, gradient, i, j), c.contour.outline);
 }
 
 }  // namespace detail

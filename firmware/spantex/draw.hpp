@@ -86,7 +86,10 @@ class renderer {
     return plan(s, sx, sy, covered);
   }
 
-  // Takes what is still computing. Call before the frame is read.
+  // Takes what is still computing: what was drawn lies in the frame, which goes on.
+  constexpr status flush() { return drain(); }
+
+  // The same at the frame's end, which is marked. Call before the frame is read.
   constexpr status finish() {
     SPANTEX_TRY(drain());
     engine_.mark({event_kind::frame_end, 0});

@@ -13,6 +13,7 @@
 #include <spantex/coordinates.hpp>
 #include <spantex/exp2.hpp>
 #include <spantex/filter.hpp>
+#include <spantex/jacobian.hpp>
 #include <spantex/level.hpp>
 #include <spantex/log2.hpp>
 #include <spantex/plane.hpp>
@@ -24,11 +25,6 @@ namespace spantex {
 inline constexpr int max_footprint_samples = 16;
 inline constexpr int direction_count = 32;  // over half a turn
 inline constexpr int direction_bits = 14;
-
-// Derivatives of (u, v) along the screen's axes at one point, with a common unknown scale; magnitudes below 2^31.
-struct jacobian {
-  int64_t ux, uy, vx, vy;
-};
 
 // cos and sin of k pi/32, s1.14.
 struct screen_direction {
@@ -121,14 +117,8 @@ constexpr void span_axis(const profile& q, span_coefficients& c) {
 
 // Of a single pixel about its own centre, from the plane's forms: W^2 J over W^2.
 constexpr void pixel_axis(const plane& p, const profile& q, int32_t hx, int32_t hy, span_coefficients& c) {
-  const scaled_gradients g = scaled_gradients_at(p, hx, hy);
-  const inverse over_w = invert(p.w_at(hx, hy));
-  // 1/W twice: 32 significant bits each. W^2 J = g 2^drop; J = g y y 2^(drop - 2 (63 + e)).
-  const auto over_w2 = [&](int64_t x) {
-    return shift_right_symmetric(shift_right_symmetric(x * int64_t(over_w.y >> 1), 31) * int64_t(over_w.y >> 1), 31);
-  };
-  const jacobian j{over_w2(g.ux), over_w2(g.uy), over_w2(g.vx), over_w2(g.vy)};
-  c.axis = detail::axis_of(q, j, 0, 0, 62 + 2 * over_w.exponent - g.drop);
+  const scaled_jacobian j = jacobian_at(p, hx, hy);
+  c.axis = detail::axis_of(q, j.columns, 0, 0, j.exponent);
 }
 
 // --- datapath side -------------------------------------------------------------------------------------

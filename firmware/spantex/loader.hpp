@@ -57,35 +57,47 @@ constexpr block_range rows_of(const Prof& prof, const texture_view& t, const sec
   return blocks_of(box.v0, box.v1, at.origin_v, side, [&](int32_t k) { return t.wrapped_v(k, at.level); });
 }
 
-// Texels of one level. Of a compressed format it keeps the last two blocks decoded, 128 bytes: two rows of a section mostly lie in one
-// row of blocks, so a block is decoded once for both; once more where the section's ends share a word through the torus.
+// Cells of 2x2 texels of one level. Of a compressed format it keeps the last block decoded, 64 bytes: a cell mostly lies within one block, and cells come
+// along rows of blocks, so a block is decoded once for two rows of texels. Where a cell is cut (ends of a section that share a word through the torus,
+// wrapped edges), its texels are read block after block, the held one first.
 template <class Map>
-class texel_reader {
+class cell_reader {
  public:
-  constexpr texel_reader(const Map& t, int level) : map_(t), level_(level), compressed_(is_compressed(t.format())) {}
+  constexpr cell_reader(const Map& t, int level) : map_(t), level_(level), compressed_(is_compressed(t.format())) {}
 
-  constexpr rgba8 texel(int32_t x, int32_t y) {
-    if (!compressed_) return map_.texel(level_, x, y);
-    const int32_t bx = x / block_side, by = y / block_side, index = by * max_blocks_across + bx;
-    if (held_[latest_] != index) {
-      latest_ ^= 1;
-      if (held_[latest_] != index) {
-        map_.decode_block(level_, bx, by, blocks_[latest_]);
-        held_[latest_] = index;
-      }
+  // (x0, y0) (x1, y0) (x0, y1) (x1, y1), wrapped.
+  constexpr void cell(const int32_t (&x)[2], const int32_t (&y)[2], rgba8 (&out)[4]) {
+    if (!compressed_) {
+      for (int k = 0; k < 4; ++k) out[k] = map_.texel(level_, x[k & 1], y[k >> 1]);
+      return;
     }
-    return blocks_[latest_].texel[y % block_side * block_side + x % block_side];
+    // Texels in an order of neighbours, 0 1 3 2 or 0 2 3 1: along the side that is not cut first, from the held block.
+    const int along = x[0] / block_side == x[1] / block_side ? 1 : 2;
+    int k = index_of(x[0], y[0]) == held_ ? 0 : 3 - along;
+    for (int n = 0; n < 4; ++n) {
+      out[k] = texel(x[k & 1], y[k >> 1]);
+      k ^= n == 1 ? 3 - along : along;
+    }
   }
 
  private:
   static constexpr int32_t max_blocks_across = max_texture_side / block_side;
+  static constexpr int32_t index_of(int32_t x, int32_t y) { return y / block_side * max_blocks_across + x / block_side; }
+
+  constexpr rgba8 texel(int32_t x, int32_t y) {
+    const int32_t index = index_of(x, y);
+    if (index != held_) {
+      map_.decode_block(level_, x / block_side, y / block_side, block_);
+      held_ = index;
+    }
+    return block_.texel[y % block_side * block_side + x % block_side];
+  }
 
   const Map& map_;
   int level_;
   bool compressed_;
-  int latest_ = 0;
-  int32_t held_[2] = {-1, -1};
-  texel_block blocks_[2];  // not set until decoded
+  int32_t held_ = -1;
+  texel_block block_;  // not set until decoded
 };
 
 }  // namespace detail
@@ -98,15 +110,15 @@ constexpr status load_section(const Prof& prof, const Map& t, const section& at,
   const int side = coarse ? q.coarse_side() : q.fine_side, blocks = side / 2;
   const int first_word = coarse ? q.fine_side * q.fine_side / 2 : 0;
   const auto columns = detail::columns_of(prof, t, at, box, coarse), rows = detail::rows_of(prof, t, at, box, coarse);
-  detail::texel_reader map(t, at.level);
+  detail::cell_reader map(t, at.level);
   for (int r = 0; r < rows.count; ++r) {
     const int row = (rows.first + r) & (blocks - 1);
-    const int32_t y0 = rows.texel[r][0], y1 = rows.texel[r][1];
     uint64_t words[2 * max_blocks];
     int count = 0, start = columns.first;
     for (int k = 0; k < columns.count; ++k) {
-      const int32_t x0 = columns.texel[k][0], x1 = columns.texel[k][1];
-      const block_words w = pack_block({map.texel(x0, y0), map.texel(x1, y0), map.texel(x0, y1), map.texel(x1, y1)});
+      rgba8 cell[4];
+      map.cell(columns.texel[k], rows.texel[r], cell);
+      const block_words w = pack_block(cell);
       words[count++] = w.red_green;
       words[count++] = w.blue_alpha;
       const bool at_edge = ((columns.first + k + 1) & (blocks - 1)) == 0;

@@ -476,6 +476,9 @@ class object_space_renderer {
     return status::ok;
   }
 
+  // Marks the frame's end; every draw() has written its pixels already.
+  constexpr status finish() { return texturing_.finish(); }
+
   constexpr const object_space_counters& counters() const { return counters_; }
   constexpr const draw_counters& texturing() const { return texturing_.counters(); }
 
@@ -516,7 +519,7 @@ class object_space_renderer {
       if (masks[k] != 0) SPANTEX_TRY(texturing_.draw_span(s, k, 0, masks[k]));
     }
     if (any == 0) return status::ok;
-    SPANTEX_TRY(texturing_.finish());
+    SPANTEX_TRY(texturing_.flush());
     for (int k = 0; k < spans; ++k) spread_span(tile.screen, sx + k, sy, masks[k], block_ + k * span_side);
     return status::ok;
   }

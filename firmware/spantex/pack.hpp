@@ -11,13 +11,13 @@
 //       13    1   level count
 //       14    2   wrap mode of u, of v (wrap.hpp)
 //       16    4   width, height of level 0
-//       20    2   flags: 1 opaque, 2 binary alpha, 4 sRGB
+//       20    2   flags: 1 opaque, 2 binary alpha, 4 sRGB, 8 contour map
 //       22    1   byte order of 16-bit texels: 0 none there, 1 little, 2 big
 //       23    1   threshold of the alpha test, 0 for none
 //       24    2   uniform levels: bit L is set if all texels of level L are alike
 //       26    2   colours of the palette, 4 bytes r g b a each: 1..256 for palette8, 1..16 for palette4, 0 for the others
 //       28    4   offset of the palette, 0 for none
-//       32    8   0
+//       32    8   of a contour map (contour_style.hpp): threshold, scale, u8.8, 2 bytes each; outline, 1/16 pixel; field unit; 2 bytes 0. Else 0
 //       40    4   CRC-32 of the payload: from the header's end to the pack's
 //       44    4   CRC-32 of the header without this field
 //       48    8   per level: offset, bytes
@@ -37,7 +37,7 @@ namespace pack_format {
 inline constexpr uint8_t magic[4] = {'S', 'T', 'X', 0x1A};
 inline constexpr uint16_t version = 1;
 inline constexpr uint32_t fixed_bytes = 48, level_entry_bytes = 8, alignment = 8;
-enum flag : uint16_t { opaque = 1, binary_alpha = 2, srgb = 4, all_flags = 7 };
+enum flag : uint16_t { opaque = 1, binary_alpha = 2, srgb = 4, contour = 8, all_flags = 15 };
 enum byte_order : uint8_t { bytes_only = 0, little_endian = 1, big_endian = 2 };
 
 inline constexpr byte_order native_order = __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__ ? big_endian : little_endian;
@@ -104,6 +104,8 @@ class texture_pack {
     const uint32_t begin = r.u16(6), end = r.u32(8);
     if (check == payload_check::crc && crc32(r.data + begin, end - begin) != r.u32(40)) return status::pack_bad_payload;
     p.flags_ = r.u16(20);
+    if (p.srgb()) p.view_.set_colours(colour_space::srgb);
+    if (p.contour()) SPANTEX_TRY(p.view_.set_contour(style_of(r)));
     p.alpha_threshold_ = r.u8(23);
     p.uniform_levels_ = r.u16(24);
     out = p;
@@ -116,7 +118,8 @@ class texture_pack {
   bool opaque() const { return (flags_ & pack_format::opaque) != 0; }              // alpha is 255: no blending, no alpha test
   bool binary_alpha() const { return (flags_ & pack_format::binary_alpha) != 0; }  // alpha is 0 or 255
   bool uniform(int level) const { return ((uniform_levels_ >> level) & 1) != 0; }  // one colour: nothing to load or filter
-  bool srgb() const { return (flags_ & pack_format::srgb) != 0; }                  // the maker's word about the colours
+  bool srgb() const { return (flags_ & pack_format::srgb) != 0; }                  // the maker's word about the colours; view() has it too
+  bool contour() const { return (flags_ & pack_format::contour) != 0; }            // alpha is a scalar field for filter contour; view() has its style
 
   bool alpha_tested() const { return alpha_threshold_ != 0; }
   uint8_t alpha_threshold() const { return alpha_threshold_; }  // a texel is kept if its alpha is at least this
@@ -129,6 +132,8 @@ class texture_pack {
     uint16_t u16(uint32_t at) const { return uint16_t(data[at] | data[at + 1] << 8); }
     uint32_t u32(uint32_t at) const { return uint32_t(u16(at)) | uint32_t(u16(at + 2)) << 16; }
   };
+
+  static contour_style style_of(const reader& r) { return {r.u16(32), r.u16(34), r.u8(36), field_unit(r.u8(37))}; }
 
   static status check_header(const reader& r) {
     using namespace pack_format;
@@ -154,7 +159,10 @@ class texture_pack {
     const uint8_t order = r.u8(22);
     const bool ordered = is_16_bit(texel_format(format));
     if (ordered ? order != little_endian && order != big_endian : order != bytes_only) return status::pack_bad_field;
-    if ((r.u16(20) & ~all_flags) != 0 || r.u32(32) != 0 || r.u32(36) != 0) return status::pack_bad_field;
+    if ((r.u16(20) & ~all_flags) != 0) return status::pack_bad_field;
+    const bool of_contours = (r.u16(20) & pack_format::contour) != 0;
+    if (!of_contours && (r.u32(32) != 0 || r.u32(36) != 0)) return status::pack_bad_field;
+    if (of_contours && (r.u16(38) != 0 || check(style_of(r)) != status::ok)) return status::pack_bad_field;
     if ((r.u16(24) >> r.u8(13)) != 0) return status::pack_bad_field;
     const uint32_t colours = r.u16(26), most = uint32_t(palette_size(texel_format(format)));
     if (colours > most || (colours == 0) != (most == 0)) return status::pack_bad_field;

@@ -277,13 +277,19 @@ constexpr status split_job(const Prof& prof, const texture_view& t, int level, b
   return status::ok;
 }
 
+// What is done with a section that does not fit. Footprints need all their texels. A clamped field would draw contours thinner than asked, where
+// a coarser level's field keeps their width.
+constexpr overflow_policy policy_of(const profile& q, filter kind) {
+  if (uses_footprint(kind) || uses_area(kind)) return overflow_policy::split;
+  return kind == filter::contour && q.overflow == overflow_policy::clamp ? overflow_policy::coarser : q.overflow;
+}
+
 // One level of one span, by the profile's policy; footprints are always split: cut short or blurred they would be of no use.
 template <class Prof, class Sink>
 constexpr status emit_level(const Prof& prof, const texture_view& t, int level, bool two_levels, span_job& job, Sink& sink) {
   const profile& q = prof.get();
   if (take_sections(prof, t, level, two_levels, job)) return sink(job);
-  const filter kind = job.coefficients.kind;
-  switch (uses_footprint(kind) || uses_area(kind) ? overflow_policy::split : q.overflow) {
+  switch (policy_of(q, job.coefficients.kind)) {
     case overflow_policy::clamp:
       job.coefficients.corrects = true;
       return sink(job);
@@ -385,6 +391,11 @@ constexpr int reciprocals_a_pixel(filter kind, evaluation how) {
   return uses_area(kind) ? 1 + corner_count(kind) : 1;
 }
 
+template <class Prof>
+constexpr bool draws_contours(const profile& q, filter kind) {
+  return Prof::has_contours && q.contours && kind == filter::contour;
+}
+
 constexpr span_coefficients blank_coefficients(const surface& s) {
   span_coefficients c{};
   c.kind = s.kind;
@@ -411,6 +422,7 @@ constexpr status plan_span(const Prof& prof, const surface& s, int32_t sx, int32
       } else if (uses_levels(s.kind) && !uses_area(s.kind)) {
         if (s.fixed_level != no_fixed_level) detail::fix_levels(s.fixed_level, c);
         else formula_levels(q, *s.map, r, c);
+        if (detail::draws_contours<Prof>(q, s.kind)) span_contour(q, c);
       }
       job.divides += detail::reciprocals_a_pixel(s.kind, c.how) * __builtin_popcountll(mask);
       return detail::emit_levels(prof, *s.texture, job, sink);
@@ -428,6 +440,7 @@ constexpr status plan_span(const Prof& prof, const surface& s, int32_t sx, int32
     } else if (uses_levels(s.kind) && !uses_area(s.kind)) {
       if (s.fixed_level != no_fixed_level) detail::fix_levels(s.fixed_level, c);
       else formula_levels_of_pixel(q, *s.map, r, hx, hy, c);
+      if (detail::draws_contours<Prof>(q, s.kind)) pixel_contour(*s.map, hx, hy, c);
     }
     SPANTEX_TRY(detail::emit_levels(prof, *s.texture, job, sink));
   }

@@ -55,6 +55,7 @@ struct section {
 
 // The pixel's image as a vector on the map, along the span's direction on the screen (footprint.hpp):
 //   n_u = c_u + a_u hx + b_u hy,  V_u = n_u / w^2 2^-exponent texels of level 0 per half pixel
+// For filter contour the Jacobian's columns and their twist instead (contour.hpp).
 struct axis_terms {
   int32_t c_u, a_u, b_u, c_v, a_v, b_v;    // offset_bits magnitude for the sums
   int16_t area_log2;                       // s5.10: log2 of the area of a pixel's image at w = 1, texels of level 0
@@ -72,7 +73,7 @@ struct span_coefficients {
   int32_t g, h;                            // reciprocal_bits fraction bits; |7g| + |7h| < 1/2 - 1/256 (9 for step, hat; 2 if centred)
   int16_t level_row[span_side];            // s5.10: level of detail for w = 1, along each row and each column
   int16_t level_column[span_side];         // the larger of the two counts
-  axis_terms axis;                         // filters with a footprint
+  axis_terms axis;                         // filters with a footprint, contour
   contour_terms contour;                   // filter contour
   section fine, coarse;
   int8_t exponent;

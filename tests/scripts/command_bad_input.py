@@ -51,6 +51,7 @@ PACKS = {  # damage and the words that tell it
     "colours.stx": (dict(format=8, size=1), "undefined header field"), "many.stx": (dict(format=9, size=1, colours=17, palette=56), "undefined header field"),
     "no_palette.stx": (dict(colours=1, palette=56), "undefined header field"),
     "palette.stx": (dict(format=8, size=1, colours=1, palette=64), "do not fit"), "block.stx": (dict(format=10, size=4), "do not fit"),
+    "style.stx": (dict(flags=11), "undefined header field"), "styled.stx": (dict(reserved=1), "undefined header field"),
     "order.stx": (dict(format=1, order=2, size=2), "byte order"),
 }
 
@@ -75,7 +76,7 @@ def make_inputs(folder):
         "line.obj": re.sub(r"(?m)^v (\S+) .*$", r"v \1 0 0", QUAD_WITH_UV).replace("m.mtl", "huge.mtl").encode(),
     }
     files.update({name: pack_bytes(**changed) for name, (changed, _) in PACKS.items()})
-    files.update({"good.stx": pack_bytes(), "cut.stx": pack_bytes()[:60], "stub.stx": b"STX\x1a", "none.stx": b"", "picture.stx": good,
+    files.update({"good.stx": pack_bytes(), "srgb.stx": pack_bytes(flags=7), "cut.stx": pack_bytes()[:60], "stub.stx": b"STX\x1a", "none.stx": b"", "picture.stx": good,
                   "pack_named.png": pack_bytes(header_crc=1)})
     for name, data in files.items():
         (folder / name).write_bytes(data)
@@ -148,7 +149,6 @@ CASES = [
         ("field-scale", "0"), ("field-scale", "256"), ("field-scale", "1e9"))],
     *[(plane(**{name: "1"}), ["--" + name, "contour"]) for name in ("outline", "threshold", "field-scale")],
     (plane(alpha="blended") + ["--psnr"], ["--psnr", "--alpha"]),
-    (plane() + ["--srgb", "--psnr"], ["--psnr", "--srgb"]),
     (render("contour", "--filter", "contour", "--psnr"), ["--psnr", "contour"]),
     (render("fig10"), ["fig10", "fig6", "fig9", "grazing"]),
     (["paint"], ["paint", "plane", "render", "texture", "prefilters", "compare", "trace", "stress", "demo"]),
@@ -246,6 +246,18 @@ CASES = [
     (texture("good.png", "--out", "o.h", "--c-array", "./o.h"), ["--out", "--c-array", "o.h"]),
     (texture("good.png", "--out", "/dev/full"), ["/dev/full", "cannot write"]),
     (texture("good.png", "stray"), ["stray"]),
+    *[(texture("good.png", "--field", n), ["field", "1..64"]) for n in ("0", "65", "-1")],
+    (texture("good.png", "--field", "wide"), ["--field", "wide"]),
+    *[(texture("good.png", "--field", "16", *more), ["--field", more[0]]) for more in (
+        ["--srgb"], ["--prefilter", "box"], ["--inverse"], ["--alpha-weighted"], ["--alpha-test", "9"], ["--levels", "2"], ["--inverse", "--c-array", "o.h"])],
+    *[(texture("good.png", "--field", "16", "--format", f), ["--field", f, "alpha"]) for f in ("l8", "rgb565", "rgb888")],
+    *[(texture("good.png", "--field", "16", "--reduction", n), ["field", "multiples", n]) for n in ("0", "3", "-2", "128")],
+    *[(texture("good.png", "--field", "16", "--outline", n), ["--outline", n]) for n in ("16", "-1", "wide")],
+    (texture("good.png", "--field", "16", "--ink", "red"), ["red"]),
+    (texture("good.png", "--field", "16", "--inside", "out"), ["inside", "out", "either", "alpha", "light", "dark"]),
+    *[(texture("good.png", name, value), [name, "--field"]) for name, value in (("--reduction", "2"), ("--ink", "000000"), ("--outline", "1"), ("--inside", "dark"))],
+    (plane(texture="good.png", space="object") + ["--srgb"], ["--space object", "--srgb"]),
+    (plane(texture="srgb.stx", space="object"), ["object space", "sRGB"]),
     (["prefilters", "--level", "5"], ["--level", "1..4"]),
     (["prefilters", "--texture", "missing.png"], ["missing.png"]),
     # texture packs
@@ -272,6 +284,18 @@ CASES = [
     (["render", "tilted", "--out", "o.png", "--space", "object", "--filter", "aniso"], ["--space object", "aniso"]),
     (["compare", "--scenes", "tilted,nowhere"], ["nowhere", "tilted"]),
     (["compare", "--scenes", "tilted", "--filters", "aniso,best"], ["best", "trilinear"]),
+    *[(["compare", "--scenes", "tilted", "--filters", f], words) for f, words in (
+        ("trilinear:slack=2", ["--slack", "aniso"]), ("aniso:slack=16", ["--slack", "0..15"]), ("aniso:samples=0", ["--samples", "1..16"]), ("aniso:samples=x", ["x", "number"]),
+        ("aniso:speed=9", ["speed", "level, samples, slack"]), ("trilinear:level=best", ["best", "jacobian", "major", "minor"]), ("bilinear:level=minor", ["--level", "bilinear"]))],
+    (plane(slack="2"), ["--slack", "aniso"]), (plane(samples="2"), ["--samples", "aniso"]),
+    *[(plane(filter="aniso", slack=n), ["--slack", "0..15"]) for n in ("-1", "16")],
+    *[(plane(filter="aniso", samples=n), ["--samples", "1..16"]) for n in ("0", "17")],
+    (plane(level="best"), ["level", "best", "jacobian", "major", "minor"]),
+    *[(plane(level="minor", filter=f), ["--level", f]) for f in ("nearest", "bilinear", "three-point", "squares", "aniso", "step", "hat")],
+    (plane(level="minor", space="object"), ["--space object", "--level"]),
+    (["chessboard"], ["--out"]), (["chessboard", "--out", "o", "--size", "0x1"], ["--size"]), (["chessboard", "--out", "o", "--profile", "best"], ["best", "seed"]),
+    (["chessboard", "--out", "good.png/o"], ["good.png/o", "folder"]),
+    (render("contour", "--filter", "contour", "--reference", "r.png"), ["--psnr", "contour"]),
     (["compare", "--scenes", "tilted", "--profiles", "huge"], ["huge", "compact"]),
     (["compare", "--scenes", "tilted", "--size", "0x9"], ["--size", "0x9"]),
     (["compare", "--scenes", "tilted", "--texture", "missing.png"], ["missing.png"]),

@@ -43,7 +43,7 @@ def test_help(folder):
         assert "--help" in text, sub
     for option in "--texture --size --matrix --out --filter --profile --wrap --engine --prefilter --threads --repeat --stats".split():
         assert option in done("plane", "--help", cwd=folder), option
-    for option in "--out --c-array --format --prefilter --wrap --inverse --alpha-weighted --alpha-test --levels --byte-order --srgb --threads".split():
+    for option in "--out --c-array --format --prefilter --wrap --inverse --alpha-weighted --alpha-test --levels --byte-order --srgb --field --inside --reduction --ink --outline --threads".split():
         assert option in done("texture", "--help", cwd=folder), option
 
 
@@ -262,6 +262,109 @@ def test_packs_of_every_format(folder):
         assert (folder / "n.stx").read_bytes()[12] == number, name
         how = dict(matrix=TILTED, filter="trilinear")
         assert plane(folder, "a.png", "n.stx", **how) == plane(folder, "b.png", "n.png", format=name, **how), name
+
+
+def coverage_of_rows(rows, background, ink):
+    """Of red, 0 to 1."""
+    return [[(row[4 * x] - background) / (ink - background) for x in range(len(row) // 4)] for row in rows]
+
+
+def test_contours(folder):
+    """A field made of a picture: a half-plane's outline is as wide as asked at every magnification; fills, blending, options and packs agree."""
+    (folder / "half.png").write_bytes(png_bytes(256, 256, 2, lambda x, y: [255 * (x >= 128)] * 3))
+    for scale in ("16", "32"):
+        done("texture", "half.png", "--field", scale, "--reduction", "4", "--outline", "2", "--ink", "ff0000", "--wrap", "clamp", "--out", "f.stx", cwd=folder)
+        for texels_per_px in (1 / 16, 0.5, 1, 3):
+            matrix = f"{texels_per_px},0,{32 - 32 * texels_per_px},0,{texels_per_px},0,0,0,1"
+            for width, more in ((2, {}), (3.5, {"outline": "3.5"})):
+                plane(folder, "o.png", "f.stx", "64x16", matrix, filter="contour", alpha="blended", **more)
+                _, _, rows = read_png(folder / "o.png")
+                assert all(abs(sum(row) - width) < 0.25 for row in coverage_of_rows(rows, 0, 255)), (scale, texels_per_px, width)
+            plane(folder, "o.png", "f.stx", "64x16", matrix, filter="contour", alpha="blended", outline="0")
+            _, _, rows = read_png(folder / "o.png")
+            assert all(abs(sum(row) - 32) < 0.25 for row in coverage_of_rows(rows, 0, 255)), (scale, texels_per_px)
+    how = dict(matrix=TILTED, filter="contour", alpha="blended", background="102030")
+    assert plane(folder, "a.png", "f.stx", **how) == plane(folder, "b.png", "f.stx", engine="sim", **how) == plane(folder, "c.png", "f.stx", threads="2", **how)
+    # The threshold moves the contour: by 32 units, one texel, two pixels.
+    moved = {}
+    for threshold in ("128", "160"):
+        plane(folder, "o.png", "f.stx", "64x16", "0.5,0,16,0,0.5,0,0,0,1", filter="contour", alpha="blended", outline="0", threshold=threshold)
+        moved[threshold] = sum(coverage_of_rows(read_png(folder / "o.png")[2], 0, 255)[8])
+    assert abs(moved["128"] - moved["160"] - 2) < 0.1, moved
+    # A pack keeps the scale it was made with; only --field-scale overrides it.
+    how = dict(matrix="0.5,0,16,0,0.5,0,0,0,1", size="64x16", filter="contour", alpha="blended", outline="2")
+    assert plane(folder, "a.png", "f.stx", **how) == plane(folder, "b.png", "f.stx", **{"field-scale": "32"}, **how)
+    assert plane(folder, "a.png", "f.stx", **how) != plane(folder, "b.png", "f.stx", **{"field-scale": "16"}, **how)
+    done("texture", "half.png", "--field", "16", "--inside", "dark", "--wrap", "clamp", "--format", "a8", "--c-array", "f.h", "--out", "g.stx", cwd=folder)
+    plane(folder, "o.png", "g.stx", "64x16", "1,0,96,0,1,0,0,0,1", filter="contour", alpha="blended", background="ffffff")
+    _, _, rows = read_png(folder / "o.png")
+    assert all(row[:4] == bytes([0, 0, 0, 255]) and row[-4:] == bytes([255] * 4) for row in rows)
+
+
+def test_alpha_modes(folder):
+    """Write-out against the formulas: a map of one alpha a column, drawn texel by texel."""
+    (folder / "a.png").write_bytes(png_bytes(16, 16, 6, lambda x, y: [200, 100, 40, 17 * x]))
+    back = (16, 32, 48, 255)
+    blend = lambda s, d, a: (2 * (s * a + d * (255 - a)) + 255) // 510  # noqa: E731
+    modes = {"opaque": lambda c: c,
+             "cut-out": lambda c: c if c[3] >= 128 else back,
+             "cut-out:200": lambda c: c if c[3] >= 200 else back,
+             "blended": lambda c: back if c[3] == 0 else tuple(blend(s, d, c[3]) for s, d in zip((*c[:3], 255), back)),
+             "premultiplied": lambda c: tuple(min(255, s + (2 * d * (255 - c[3]) + 255) // 510) for s, d in zip(c, back))}
+    for mode, expected in modes.items():
+        for engine in ("direct", "sim"):
+            plane(folder, "o.png", "a.png", "16x16", IDENTITY, filter="nearest", alpha=mode, background="102030", engine=engine)
+            _, _, rows = read_png(folder / "o.png")
+            for x in range(16):
+                assert tuple(rows[3][4 * x:4 * x + 4]) == expected((200, 100, 40, 17 * x)), (mode, x)
+
+
+def test_changes_of_a_profile(folder):
+    """The profile's own choices given by name change nothing, others do; compare takes them too; the reference is a picture of its own."""
+    how = dict(matrix=TILTED)
+    for engine in ("direct", "sim"):
+        same = plane(folder, "a.png", filter="trilinear", engine=engine, **how)
+        assert same == plane(folder, "b.png", filter="trilinear", level="jacobian", engine=engine, **how)
+        pictures = {plane(folder, "b.png", filter="trilinear", level=level, engine=engine, **how) for level in ("jacobian", "major", "minor")}
+        assert len(pictures) == 3
+        assert plane(folder, "a.png", filter="aniso", engine=engine, **how) == plane(folder, "b.png", filter="aniso", samples="16", slack="2", engine=engine, **how)
+        assert plane(folder, "a.png", filter="aniso", engine=engine, **how) != plane(folder, "b.png", filter="aniso", samples="1", engine=engine, **how)
+    text = done("compare", "--scenes", "tilted", "--size", "64x48", "--texture", "map.png", "--filters", "trilinear:level=minor,aniso:samples=4:slack=8", "--out", "c", "--json", "c.json", cwd=folder)
+    assert "trilinear:level=minor" in text and "aniso:samples=4:slack=8" in text
+    rows = json.loads((folder / "c.json").read_text())
+    assert [r["method"] for r in rows] == ["trilinear:level=minor", "aniso:samples=4:slack=8"] and all(r["pixels"] == 64 * 48 for r in rows)
+    assert (folder / "c" / "tilted-aniso-samples-4-slack-8-default.png").exists()
+    done("render", "tilted", "--size", "64x48", "--texture", "map.png", "--out", "o.png", "--reference", "r.png", cwd=folder)
+    assert (folder / "r.png").read_bytes() == (folder / "c" / "tilted-reference.png").read_bytes()
+
+
+def test_chessboard(folder):
+    text = done("chessboard", "--out", "chess", "--size", "160x120", cwd=folder)
+    marks = {line[:20].strip(): float(line.split()[-2]) for line in text.splitlines()[1:]}
+    assert set(marks) == {f"{kind} on the {where}" for kind in ("step", "hat") for where in ("screen", "map")}, text
+    assert all(marks[f"{kind} on the map"] > marks[f"{kind} on the screen"] - 0.5 for kind in ("step", "hat")), text
+    assert len(list((folder / "chess").glob("chessboard-*.png"))) == 4
+
+
+def test_srgb(folder):
+    """Black and white texels far away: half the light has code 188. Levels and filters, from a picture and from a pack; and the reference agrees."""
+    (folder / "b.png").write_bytes(png_bytes(64, 64, 2, lambda x, y: [255 * ((x + y) % 2)] * 3))
+    for texels_per_px in (1, 2, 8):
+        matrix = f"{texels_per_px},0,{0.5 * (texels_per_px == 1)},0,{texels_per_px},0,0,0,1"
+        for name, code, more in (("srgb", 188, ["--srgb"]), ("coded", 128, [])):
+            done("texture", "b.png", "--out", "b.stx", *more, cwd=folder)
+            for texture, extra in (("b.png", more), ("b.stx", [])):
+                text = done("plane", "--texture", texture, "--size", "16x16", "--matrix", matrix, "--filter", "trilinear", "--out", "o.png", "--psnr", "--stats", "s.json", *extra, cwd=folder)
+                _, _, rows = read_png(folder / "o.png")
+                assert list(rows[5][20:24]) == [code, code, code, 255], (texels_per_px, name, texture, list(rows[5][20:24]))
+                assert json.loads((folder / "s.json").read_text())["srgb"] == (name == "srgb")
+                if texels_per_px > 1:
+                    assert float(re.search(r"([\d.]+) dB", text)[1]) > 50, (texels_per_px, name, texture, text)
+    # A map of one colour keeps it.
+    (folder / "c.png").write_bytes(png_bytes(20, 12, pixel=lambda x, y: [201, 3, 77, 255]))
+    for filter_name in FILTERS:
+        done("plane", "--texture", "c.png", "--size", "32x24", "--matrix", TILTED, "--filter", filter_name, "--srgb", "--out", "o.png", cwd=folder)
+        assert all(row == bytes([201, 3, 77, 255]) * 32 for row in read_png(folder / "o.png")[2]), filter_name
 
 
 def test_packs_do_not_depend_on_threads(folder):

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include <sim/distance_field.hpp>
+#include <sim/pack.hpp>
 #include <tests/support.hpp>  // last: cmocka.h defines fail as a macro
 
 using namespace spantex;
@@ -69,6 +70,44 @@ SPANTEX_CASE(levels_hold_distances_in_their_own_texels) {
     }
 }
 
+SPANTEX_CASE(the_inside_is_what_the_rule_says) {
+  image picture(3, 1, {255, 255, 255, 255});
+  picture.at(1, 0) = {0, 0, 0, 255};
+  picture.at(2, 0) = {0, 0, 0, 0};
+  const auto inside = [&](inside_by rule) {
+    const mask m = make_mask(picture, rule);
+    return 100 * m.at(0, 0) + 10 * m.at(1, 0) + m.at(2, 0);
+  };
+  assert_int_equal(inside(inside_by::alpha), 110);
+  assert_int_equal(inside(inside_by::either), 110);
+  assert_int_equal(inside(inside_by::light), 100);
+  assert_int_equal(inside(inside_by::dark), 11);
+}
+
+// A pack of a contour map holds the levels as they are, and their style.
+SPANTEX_CASE(packs_hold_levels_and_style) {
+  image picture(64, 32, {0, 0, 0, 255});
+  for (int y = 8; y < 20; ++y)
+    for (int x = 10; x < 50; ++x) picture.at(x, y) = {255, 255, 255, 255};
+  static std::vector<image> levels;
+  levels = make_field_levels(picture, 2, 24, {9, 8, 7, 0});
+  for (const texel_format format : {texel_format::rgba8888, texel_format::a8, texel_format::la88}) {
+    compile_options o;
+    o.format = format;
+    static bytes pack;
+    pack = compile_contour_pack(levels, field_style(24, 40), o);
+    texture_pack p;
+    SPANTEX_ASSERT_OK(texture_pack::open(pack.data(), pack.size(), p));
+    assert_true(p.contour() && !p.srgb());
+    const contour_style& s = p.view().contour();
+    assert_true(s.threshold == 128 << 8 && s.scale == 24 << 8 && s.outline == 40 && s.unit == field_unit::own_level);
+    assert_int_equal(p.view().level_count(), levels.size());
+    for (int k = 0; k < p.view().level_count(); ++k)
+      for (int y = 0; y < p.view().height(k); ++y)
+        for (int x = 0; x < p.view().width(k); ++x) assert_int_equal(p.view().texel(k, x, y).a, levels[size_t(k)].at(x, y).a);
+  }
+}
+
 SPANTEX_CASE(alpha_is_the_mask_where_a_picture_has_any) {
   image picture(2, 1, {255, 255, 255, 255});
   picture.at(1, 0) = {0, 0, 0, 255};
@@ -82,6 +121,7 @@ SPANTEX_CASE(alpha_is_the_mask_where_a_picture_has_any) {
 int main() {
   const CMUnitTest tests[] = {cmocka_unit_test(the_transform_equals_all_pairs), cmocka_unit_test(signed_distances_of_a_half_plane_and_a_disc),
                               cmocka_unit_test(levels_hold_distances_in_their_own_texels),
+                              cmocka_unit_test(the_inside_is_what_the_rule_says), cmocka_unit_test(packs_hold_levels_and_style),
                               cmocka_unit_test(alpha_is_the_mask_where_a_picture_has_any)};
   return run_suite("distance_field", tests);
 }

@@ -3,6 +3,7 @@
 // every strip, coverage shared with the other renderer, and quality and cost against trilinear filtering.
 #include <memory>
 
+#include <hal/recording_engine.hpp>
 #include <sim/draw_host.hpp>
 #include <sim/figures.hpp>
 #include <sim/object_space_host.hpp>
@@ -284,6 +285,55 @@ SPANTEX_CASE(bad_input_is_refused) {
   SPANTEX_ASSERT_STATUS(b.r->draw(floor, 4, camera_of(96, 64, 80), b.out.area(), t, filter::bilinear, 256), out_of_range);
 }
 
+// Many blocks of samples go through the engine, but a frame ends once.
+SPANTEX_CASE(a_frame_has_one_end) {
+  const texture_map map(photographic_pattern(64, 3), prefilter::box, wrap::repeat, wrap::repeat);
+  const square_vertices s = square_at({0, 0, 3}, {0.3L, 0.4L, -std::sqrt(0.75L)}, 0.5L, 1, 40);
+  static picture out;
+  out.reset(96, 64);
+  std::vector<pixel_sums> sums(96 * 64);
+  engine_type engine{prof};
+  recording log;
+  recording_engine<engine_type> watched(engine, log);
+  object_space_renderer<recording_engine<engine_type>, fixed_profile<profiles::standard>> r(watched, prof, out.frame(), sums.data(), sums.size());
+  for (int k = 0; k < 2; ++k) SPANTEX_ASSERT_OK(r.draw(s.v, 4, camera_of(96, 64, 80), out.area(), map.view(), filter::trilinear, 128));
+  SPANTEX_ASSERT_OK(r.finish());
+  int ends = 0, takes = 0;
+  for (const recorded_operation& op : log.operations) {
+    ends += op.what == operation::mark && op.note.kind == event_kind::frame_end;
+    takes += op.what == operation::take;
+  }
+  assert_true(takes > 100);
+  assert_int_equal(ends, 1);
+  assert_true(log.operations.back().what == operation::mark);
+}
+
+// KT88's figure 7, a floor to its horizon: one polygon of it wants more samples than a grid holds and is refused; cut into bands of depth it is drawn, but for
+// what lies beyond +-30000 texels, where vertices have no coordinates: the last four of 191 rows.
+SPANTEX_CASE(a_floor_to_the_horizon_is_drawn_in_bands) {
+  scene_request request;
+  request.size = {320, 240};
+  const scene s = make_named_scene("fig7", request);
+  object_space_options o;
+  o.background = {255, 0, 255, 255};
+  assert_int_equal(render_object_space(s, o).items_left_out, 1);
+  o.band_ratio = 2;
+  const object_space_result r = render_object_space(s, o);
+  assert_int_equal(r.items_left_out, 0);
+  assert_int_equal(r.samples.pixels_without_samples, 0);
+  uint64_t visible = 0;
+  for (int j = 0; j < 240; ++j)
+    for (int i = 0; i < 320; ++i) {
+      const ideal_position p = position(s.items[0].ideal, i + 0.5, j + 0.5);
+      if (!(p.w > 0)) continue;
+      ++visible;
+      // The host's limit falls in steps of 1.25.
+      if (r.picture.at(i, j) == o.background) assert_true(std::max(std::fabs(p.u), std::fabs(p.v)) > 22000);
+    }
+  std::printf("# %llu of %llu pixels\n", static_cast<unsigned long long>(r.samples.pixels), static_cast<unsigned long long>(visible));
+  assert_true(r.samples.pixels > visible * 97 / 100);
+}
+
 SPANTEX_CASE(tilted_and_grazing_planes_are_better_than_trilinear_at_two_pitches) {
   const rgba8 black{0, 0, 0, 255};
   for (const char* name : {"tilted", "grazing"}) {
@@ -328,6 +378,8 @@ int main() {
       cmocka_unit_test(the_level_is_that_of_the_pitch),
       cmocka_unit_test(nothing_is_allocated_while_drawing),
       cmocka_unit_test(bad_input_is_refused),
+      cmocka_unit_test(a_frame_has_one_end),
+      cmocka_unit_test(a_floor_to_the_horizon_is_drawn_in_bands),
       cmocka_unit_test(tilted_and_grazing_planes_are_better_than_trilinear_at_two_pitches),
   };
   return run_suite("object_space", tests);

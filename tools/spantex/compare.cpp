@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // spantex compare: how far two pictures are apart, or one table of methods on scenes, each against the reference.
 #include <stdio.h>
+#include <stdlib.h>
+
+#include <cmath>
 
 #include <filesystem>
 #include <memory>
@@ -49,16 +52,19 @@ std::vector<T> values_of(const std::array<sim::named<T>, N>& names, const std::v
   return values;
 }
 
+nlohmann::ordered_json number_or_null(double x) { return std::isfinite(x) ? nlohmann::ordered_json(x) : nlohmann::ordered_json(); }
+
 nlohmann::ordered_json to_json(const judged& j) {
   return {{"scene", j.scene},
           {"method", label_of(j.how)},
           {"profile", std::string(sim::name_of(sim::profile_names, j.how.profile))},
-          {"psnr_db", j.psnr_db},
-          {"ssim", j.ssim},
-          {"worst_error", j.worst},
+          {"psnr_db", number_or_null(j.psnr_db)},
+          {"ssim", number_or_null(j.ssim)},
+          {"worst_error", number_or_null(j.worst)},
           {"ns_per_pixel", j.ns_per_pixel},
           {"texel_reads_per_pixel", j.texel_reads},
           {"words_per_pixel", j.words},
+          {"pixels", j.machine.pixels},
           {"cycles", j.machine.total_cycles},
           {"stalls", j.machine.stall_cycles}};
 }
@@ -66,14 +72,38 @@ nlohmann::ordered_json to_json(const judged& j) {
 // The filters in screen space, and RD16's object space with trilinear samples.
 constexpr const char* object_space = "object-space";
 
+int parse_count(const std::string& text, const std::string& what) {
+  if (text.empty() || text.size() > 3 || text.find_first_not_of("0123456789") != std::string::npos) throw sim::input_error(what + ": '" + text + "' is not a number");
+  return atoi(text.c_str());
+}
+
+// A filter with changes behind it: "trilinear:level=minor", "aniso:samples=4:slack=8".
+method method_of(const std::string& text) {
+  if (text == object_space) return {filter::trilinear, {}, sim::sampling_space::object};
+  const std::vector<std::string> parts = split(text, ':');
+  method m{value_of(sim::filter_names, parts[0], "filter"), {}};
+  for (size_t k = 1; k < parts.size(); ++k) {
+    const size_t equals = parts[k].find('=');
+    const std::string name = parts[k].substr(0, equals), value = equals == std::string::npos ? "" : parts[k].substr(equals + 1);
+    if (name == "level") m.changes.level = value_of(sim::level_names, value, "level of detail");
+    else if (name == "samples") m.changes.max_samples = parse_count(value, text);
+    else if (name == "slack") m.changes.sample_slack = parse_count(value, text);
+    else throw sim::input_error("--filters: '" + text + "': unknown '" + name + "' (known: level, samples, slack)");
+  }
+  check_changes(m.changes, m.kind);
+  return m;
+}
+
+// all: but contour, which is no filter of pictures.
 std::vector<method> methods_of(const std::vector<std::string>& names) {
-  const bool all = names.size() == 1 && names[0] == "all";
   std::vector<method> methods;
-  std::vector<std::string> filters;
-  for (const std::string& n : names)
-    if (n != object_space) filters.push_back(n);
-  for (const filter kind : values_of(sim::filter_names, filters, "filter")) methods.push_back({kind, {}});
-  if (all || filters.size() != names.size()) methods.push_back({filter::trilinear, {}, sim::sampling_space::object});
+  if (names.size() == 1 && names[0] == "all") {
+    for (const auto& n : sim::filter_names)
+      if (n.value != filter::contour) methods.push_back({n.value, {}});
+    methods.push_back(method_of(object_space));
+  } else {
+    for (const std::string& n : names) methods.push_back(method_of(n));
+  }
   return methods;
 }
 
@@ -90,11 +120,7 @@ void compare_methods(const compare_options& o) {
     scenes.push_back(subject_options::loaded(subject, o.drawing).at(0));
     if (scenes.back().name.empty() || !sim::is_scene_name(name)) scenes.back().name = std::filesystem::path(name).stem().string();
   }
-  if (!o.out.empty()) {
-    std::error_code error;
-    std::filesystem::create_directories(o.out, error);
-    if (error) throw sim::input_error(o.out + ": cannot make folder: " + error.message());
-  }
+  if (!o.out.empty()) make_folder(o.out);
   const auto save = [&](const std::string& name, const sim::image& picture) {
     if (!o.out.empty()) sim::output_file(o.out + "/" + name + ".png").write(sim::encode_png(picture));
   };
@@ -110,7 +136,7 @@ void compare_methods(const compare_options& o) {
         m.profile = profile;
         const judged j = on.judge(m);
         printf("%s\n", table_line(j).c_str());
-        save(s.name + "-" + name_of(j.how), j.picture);
+        save(s.name + "-" + file_name_of(j.how), j.picture);
         all.push_back(to_json(j));
         bar.advance(1);
       }
@@ -137,7 +163,7 @@ void add_compare_command(CLI::App& app) {
   CLI::Option* const diff = sub.add_option("--diff", o->diff, "of two pictures: absolute differences, PNG");
   CLI::Option* const scenes =
       sub.add_option("--scenes", o->scenes, "scenes or models, separated by commas: every filter and profile on each of them")->excludes(diff);
-  sub.add_option("--filters", o->filters, list_of(sim::filter_names) + ", object-space (RD16); separated by commas, or all")->delimiter(',')->needs(scenes)
+  sub.add_option("--filters", o->filters, list_of(sim::filter_names) + ", object-space (RD16); with level=, samples=, slack= behind a colon (trilinear:level=minor, aniso:slack=8); separated by commas, or all")->delimiter(',')->needs(scenes)
       ->default_val(std::vector<std::string>{"all"});
   sub.add_option("--profiles", o->profiles, list_of(sim::profile_names) + "; or all")->delimiter(',')->needs(scenes)->capture_default_str();
   sub.add_option("--texture", o->subject.texture, "map of planes")->needs(scenes);

@@ -24,7 +24,7 @@ std::string stats_json(const sim::draw_result& r, const sim::draw_options& o, st
   j["format"] = std::string(sim::name_of(sim::format_names, r.format));
   j["words_uploaded"] = r.words_uploaded;
   j["alpha"] = std::string(sim::name_of(sim::alpha_names, o.how.alpha));
-  j["srgb"] = o.colours == colour_space::srgb;
+  j["srgb"] = r.colours == colour_space::srgb;
   j["threads"] = o.threads;
   j["repeat"] = o.repeat;
   j["width"] = r.picture.width_px;

@@ -41,6 +41,7 @@ int main(int argc, char** argv) {
   spantex::tool::add_compare_command(app);
   spantex::tool::add_trace_command(app);
   spantex::tool::add_stress_command(app);
+  spantex::tool::add_chessboard_command(app);
   spantex::tool::add_demo_command(app);
 
   const std::vector<std::string> names = subcommand_names(app);

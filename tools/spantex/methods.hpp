@@ -16,20 +16,22 @@ struct method {
   filter kind;
   sim::profile_choice profile;
   sim::sampling_space space = sim::sampling_space::screen;
+  sim::profile_changes changes{};
 };
 
 struct judged {
   std::string scene;
   method how;
   sim::image picture;
-  double psnr_db, ssim, worst;   // against the reference; SSIM against it rounded
+  double psnr_db, ssim, worst;   // against the reference; SSIM against it rounded. NaN for contours: nothing to compare a coverage with
   double ns_per_pixel;           // engine direct, one thread, on this machine
   double texel_reads, words;     // a pixel of the picture that is drawn
   sim::counters machine;
 };
 
-std::string label_of(const method& m);  // "trilinear", "object-space"
+std::string label_of(const method& m);  // "trilinear", "aniso:slack=8", "object-space"
 std::string name_of(const method& m);   // "trilinear-exact"
+std::string file_name_of(const method& m);  // the same without colons and signs of equality
 
 // A scene with its reference, to judge methods on.
 class bench {

@@ -149,12 +149,15 @@ void drawing_options::add_to(CLI::App& app, bool with_engine) {
   app.add_option("--filter", filter, list_of(sim::filter_names))->capture_default_str();
   app.add_option("--space", space, "screen: spans of the screen; object: RD16, a grid on each polygon, spread over the pixels")->capture_default_str();
   app.add_option("--profile", profile, list_of(sim::profile_names))->capture_default_str();
+  app.add_option("--level", level, "level of detail instead of the profile's: jacobian (longer column), major or minor (KT88's axes)");
+  app.add_option("--samples", samples, "filter aniso: at most so many samples along a footprint, 1..16");
+  app.add_option("--slack", slack, "filter aniso: samples fewer by so many sixteenths of one, 0..15: quality against cost");
   wrap_given_ = app.add_option("--wrap", wrap, list_of(sim::wrap_names))->capture_default_str();
   prefilter_given_ = app.add_option("--prefilter", prefilter, list_of(sim::prefilter_names))->capture_default_str();
   format_given_ = app.add_option("--format", format, "texels in global texture memory: " + list_of(sim::format_names))->capture_default_str();
   app.add_option("--background", background, "RRGGBB where nothing is drawn")->capture_default_str();
   app.add_option("--alpha", alpha, "opaque, cut-out[:T] (alpha below T, 128, is left out), blended, premultiplied")->capture_default_str();
-  app.add_flag("--srgb", srgb, "colours of maps are sRGB codes: filter in linear light");
+  app.add_flag("--srgb", srgb, "colours of maps are sRGB codes: levels and filters in linear light (a pack's levels are as it was compiled)");
   app.add_option("--outline", outline, "filter contour: width of its line in pixels, to 1/16; 0 fills the inside");
   app.add_option("--threshold", threshold, "filter contour: the field (alpha) where the contour runs, 0..255");
   app.add_option("--field-scale", field_scale, "filter contour: field units per texel across the contour, 1/16..255");
@@ -162,6 +165,14 @@ void drawing_options::add_to(CLI::App& app, bool with_engine) {
   app.add_option("--engine", engine, list_of(sim::engine_names))->capture_default_str();
   app.add_option("--threads", threads, "threads, each with its own engine")->capture_default_str();
   app.add_option("--repeat", repeat, "draw so often; times are medians")->capture_default_str();
+}
+
+void check_changes(const sim::profile_changes& c, filter kind) {
+  if ((c.max_samples || c.sample_slack) && kind != filter::aniso) throw input_error("--samples, --slack: only filter aniso has them");
+  if (c.max_samples && (*c.max_samples < 1 || *c.max_samples > max_footprint_samples)) throw input_error("--samples: outside 1..16");
+  if (c.sample_slack && (*c.sample_slack < 0 || *c.sample_slack > 15)) throw input_error("--slack: outside 0..15");
+  const bool has_level = uses_levels(kind) && !uses_footprint(kind) && !uses_area(kind);
+  if (c.level && !has_level) throw input_error("--level: filter " + std::string(sim::name_of(sim::filter_names, kind)) + " has no level or its own");
 }
 
 shading parse_alpha(const std::string& text) {
@@ -175,7 +186,12 @@ shading parse_alpha(const std::string& text) {
   return how;
 }
 
-// A number within limits, in 1/parts, to nearest.
+void make_folder(const std::string& path) {
+  std::error_code error;
+  std::filesystem::create_directories(path, error);
+  if (error) throw input_error(path + ": cannot make folder: " + error.message());
+}
+
 int parse_parts(const std::string& text, const char* option, double low, double high, int parts) {
   const double value = parse_number(text, option);
   if (!(value >= low && value <= high)) throw input_error(std::string(option) + ": '" + text + "' is outside its range");
@@ -187,15 +203,13 @@ void drawing_options::parse_contour(sim::draw_options& o) const {
   for (const auto& [option, is_given] : given)
     if (is_given && o.kind != filter::contour) throw input_error(std::string(option) + ": only filter contour has one");
   if (outline) o.outline = uint8_t(parse_parts(*outline, "--outline", 0, 255 / 16.0, 16));
-  if (!threshold && !field_scale) return;
-  o.contour.emplace();
-  if (threshold) o.contour->threshold = uint16_t(parse_parts(*threshold, "--threshold", 0, 255, 256));
-  if (field_scale) o.contour->scale = uint16_t(parse_parts(*field_scale, "--field-scale", 1 / 16.0, 255, 256));
+  if (threshold) o.threshold = uint16_t(parse_parts(*threshold, "--threshold", 0, 255, 256));
+  if (field_scale) o.field_scale = uint16_t(parse_parts(*field_scale, "--field-scale", 1 / 16.0, 255, 256));
 }
 
 void refuse_reference(const sim::draw_options& o) {
-  if (o.how.alpha != alpha_mode::opaque || o.colours != colour_space::coded || o.kind == filter::contour)
-    throw input_error("--psnr: the reference is opaque and filters coded colours: not with --alpha, --srgb or filter contour");
+  if (o.how.alpha != alpha_mode::opaque || o.kind == filter::contour)
+    throw input_error("--psnr: the reference is opaque: not with --alpha or filter contour");
 }
 
 sim::draw_options drawing_options::resolve() const {
@@ -210,14 +224,18 @@ sim::draw_options drawing_options::resolve() const {
   o.engine = value_of(sim::engine_names, engine, "engine");
   o.kind = value_of(sim::filter_names, filter, "filter");
   o.space = value_of(sim::space_names, space, "space");
+  if (level) o.changes.level = value_of(sim::level_names, *level, "level of detail");
+  o.changes.max_samples = samples;
+  o.changes.sample_slack = slack;
+  check_changes(o.changes, o.kind);
   if (o.space == sim::sampling_space::object) {
     if (o.engine != sim::engine_choice::direct) throw input_error("--space object: runs on engine direct only");
     if (threads != 1) throw input_error("--space object: runs on one thread only");
+    if (o.changes.any()) throw input_error("--space object: has one level a polygon: not with --level");
     if (uses_footprint(o.kind) || uses_area(o.kind)) throw input_error("--space object: filter " + filter + " has a footprint of its own; take one without");
   }
   o.background = parse_colour(background);
   o.how = parse_alpha(alpha);
-  o.colours = srgb ? colour_space::srgb : colour_space::coded;
   parse_contour(o);
   const bool plain = o.how.alpha == alpha_mode::opaque && !srgb && o.kind != filter::contour;
   if (o.space == sim::sampling_space::object && !plain)
@@ -231,11 +249,13 @@ sim::draw_options drawing_options::resolve() const {
 sim::texture_map load_map(const std::string& path, const drawing_options& d) {
   sim::bytes data = sim::read_file(path);
   if (!sim::is_pack(data) && !path.ends_with(".stx"))
-    return {sim::decode_image(data.data(), data.size(), path), d.level_filter(), d.wrap_mode(), d.wrap_mode(), d.texels()};
+    return {sim::decode_image(data.data(), data.size(), path), d.level_filter(), d.wrap_mode(), d.wrap_mode(), d.texels(), d.colours()};
   if (d.wrap_given()) throw input_error("--wrap: " + path + " has its own wrap modes; give them when it is compiled");
   if (d.prefilter_given()) throw input_error("--prefilter: " + path + " has its levels; give it when it is compiled");
   if (d.format_given()) throw input_error("--format: " + path + " has its format; give it when it is compiled");
-  return {std::move(data), path};
+  sim::texture_map map(std::move(data), path);
+  if (d.srgb) map.set_colours(colour_space::srgb);
+  return map;
 }
 
 void subject_options::add_to(CLI::App& app, bool with_matrix) {
@@ -266,6 +286,7 @@ subject_options::loaded::loaded(const subject_options& o, const drawing_options&
   request_.levels = d.level_filter();
   request_.wrap_u = request_.wrap_v = d.wrap_mode();
   request_.format = d.texels();
+  request_.colours = d.colours();
   if (o.matrix.empty() && o.subject.empty()) throw input_error("nothing to draw: name a scene or model, or give --matrix");
   o.check_consistent();
   if (!o.matrix.empty()) matrix_ = parse_matrix(o.matrix, request_.size);
@@ -278,7 +299,7 @@ subject_options::loaded::loaded(const subject_options& o, const drawing_options&
   std::error_code ignored;
   if (!std::filesystem::exists(name_, ignored))
     throw input_error(name_ + ": no such model file or scene (known scenes: " + joined(sim::scene_names()) + ")");
-  sim::model_options wanted{request_.levels, {}, {}, request_.format};
+  sim::model_options wanted{request_.levels, {}, {}, request_.format, request_.colours};
   if (d.wrap_given()) wanted.wrap_u = wanted.wrap_v = request_.wrap_u;
   world_ = sim::load_model(name_, wanted);
 }

@@ -38,6 +38,8 @@ double parse_number(const std::string& text, const std::string& what);
 std::vector<double> parse_numbers(const std::string& text, size_t count, const std::string& what);
 sim::screen_size parse_size(const std::string& text);
 rgba8 parse_colour(const std::string& text);
+// A number within limits, in 1/parts, to nearest.
+int parse_parts(const std::string& text, const char* option, double low, double high, int parts);
 shading parse_alpha(const std::string& text);
 // What --psnr has no reference for.
 void refuse_reference(const sim::draw_options& o);
@@ -46,10 +48,16 @@ void refuse_reference(const sim::draw_options& o);
 // coordinates beyond what the engine takes (2^15 texels) at every pixel in front of the viewer.
 sim::matrix parse_matrix(const std::string& text, sim::screen_size size);
 
+// Makes a folder for outputs where it is missing.
+void make_folder(const std::string& path);
+
 // An option and the file that it names; an empty path is none.
 struct named_output { std::string option, path; };
 // Refuses two outputs that would be one file.
 void check_outputs_differ(const std::vector<named_output>& outputs);
+
+// Samples 1..16, slack 0..15; what filter they belong to.
+void check_changes(const sim::profile_changes& c, filter kind);
 
 // How pictures are drawn.
 struct drawing_options {
@@ -57,12 +65,15 @@ struct drawing_options {
   int threads = 1, repeat = 1;
   bool single_half = false, srgb = false;
   std::string alpha = "opaque";
+  std::optional<std::string> level;
+  std::optional<int> samples, slack;
   std::optional<std::string> outline, threshold, field_scale;
 
   void add_to(CLI::App& app, bool with_engine);
   sim::draw_options resolve() const;
   void parse_contour(sim::draw_options& o) const;
   spantex::wrap wrap_mode() const { return value_of(sim::wrap_names, wrap, "wrap mode"); }
+  colour_space colours() const { return srgb ? colour_space::srgb : colour_space::coded; }
   texel_format texels() const { return value_of(sim::format_names, format, "format"); }
   sim::prefilter level_filter() const { return value_of(sim::prefilter_names, prefilter, "prefilter"); }
 

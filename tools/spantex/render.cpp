@@ -6,6 +6,8 @@
 #include <optional>
 #include <vector>
 
+#include <sim/quality.hpp>
+#include <sim/reference.hpp>
 #include "commands.hpp"
 #include "options.hpp"
 
@@ -17,7 +19,7 @@ constexpr int most_frames = 9999;
 struct render_options {
   drawing_options drawing;
   subject_options subject;
-  std::string out, stats;
+  std::string out, stats, reference;
   std::optional<int> frames;
   bool psnr = false;
 };
@@ -36,7 +38,7 @@ std::string frame_name(const std::string& pattern, int frame) {
 }
 
 std::vector<sim::output_file> outputs(const render_options& o) {
-  check_outputs_differ({{"--out", o.out}, {"--stats", o.stats}});
+  check_outputs_differ({{"--out", o.out}, {"--stats", o.stats}, {"--reference", o.reference}});
   if (!o.frames) return {sim::output_file(o.out)};
   if (*o.frames < 1 || *o.frames > most_frames) throw sim::input_error("--frames: outside 1.." + std::to_string(most_frames));
   std::vector<sim::output_file> files;
@@ -50,12 +52,13 @@ std::vector<sim::output_file> outputs(const render_options& o) {
 
 void run(const render_options& o) {
   const sim::draw_options drawing = o.drawing.resolve();
-  if (o.psnr) refuse_reference(drawing);
+  if (o.psnr || !o.reference.empty()) refuse_reference(drawing);
   const std::vector<sim::output_file> files = outputs(o);
   const sim::output_file stats = o.stats.empty() ? sim::output_file() : sim::output_file(o.stats);
   const subject_options::loaded subject(o.subject, o.drawing);
   if (files.size() > 1 && !subject.turns())
     throw sim::input_error("--frames: the view of '" + o.subject.subject + "' is fixed, every frame equal");
+  const sim::output_file reference = o.reference.empty() ? sim::output_file() : sim::output_file(o.reference);
   std::string report;
   for (size_t k = 0; k < files.size(); ++k) {
     const sim::scene s = subject.at(360.0 * double(k) / double(files.size()));
@@ -67,6 +70,8 @@ void run(const render_options& o) {
     if (psnr_db) printf("%s: PSNR against the reference: %.2f dB\n", files[k].path().c_str(), *psnr_db);
   }
   if (stats.wanted()) stats.write(report);
+  if (reference.wanted())
+    reference.write(sim::encode_png(sim::rounded(sim::render_reference(subject.at(0), drawing.background, sim::hardware_threads()))));
 }
 
 }  // namespace
@@ -79,6 +84,7 @@ void add_render_command(CLI::App& app) {
   sub.add_option("--frames", o->frames, "a turntable of so many pictures, the camera turned once around");
   o->drawing.add_to(sub, true);
   sub.add_option("--stats", o->stats, stats_help("counts and times (of the first frame) as JSON"));
+  sub.add_option("--reference", o->reference, "the reference's own picture (of the first frame), PNG");
   sub.add_flag("--psnr", o->psnr, "compare with the 16x16 supersampled double-precision reference");
   sub.callback([o] { run(*o); });
 }

@@ -3,6 +3,7 @@
 #include <memory>
 #include <optional>
 
+#include <sim/distance_field.hpp>
 #include <sim/pack.hpp>
 #include "commands.hpp"
 #include "options.hpp"
@@ -14,9 +15,14 @@ namespace {
 constexpr std::array<sim::named<pack_format::byte_order>, 2> order_names{
     {{"little", pack_format::little_endian}, {"big", pack_format::big_endian}}};
 
+constexpr std::array<sim::named<sim::inside_by>, 4> inside_names{
+    {{"either", sim::inside_by::either}, {"alpha", sim::inside_by::alpha}, {"light", sim::inside_by::light}, {"dark", sim::inside_by::dark}}};
+
 struct texture_options {
   std::string picture, out, c_array, format = "rgba8888", prefilter = "box", wrap = "repeat", order = "little";
-  std::optional<int> alpha_test, levels;
+  std::optional<int> alpha_test, levels, field;
+  int reduction = 1;
+  std::string inside = "either", ink = "ffffff", outline = "0";
   bool inverse = false, alpha_weighted = false, srgb = false;
   int threads = sim::hardware_threads();
 };
@@ -40,6 +46,7 @@ sim::compile_options resolve(const texture_options& o) {
   c.srgb = o.srgb;
   if (o.threads < 1 || o.threads > most_threads) throw sim::input_error("--threads: outside 1.." + std::to_string(most_threads));
   c.threads = o.threads;
+  if (o.field && !has_alpha(c.format)) throw sim::input_error("--field: format " + o.format + " has no alpha");
   if (!o.alpha_test) return c;
   if (*o.alpha_test < 1 || *o.alpha_test > 255) throw sim::input_error("--alpha-test: outside 1..255");
   if (!has_alpha(c.format)) throw sim::input_error("--alpha-test: format " + o.format + " has no alpha");
@@ -65,6 +72,19 @@ void write(const sim::output_file& file, const sim::bytes& pack) {
   file.write(sim::c_array(pack, sim::identifier_of(file.path()), linkage));
 }
 
+// A contour map of the picture's outline.
+sim::bytes compiled_field(const texture_options& o, const sim::image& picture, sim::compile_options c) {
+  const rgba8 ink = parse_colour(o.ink);
+  const contour_style style = sim::field_style(*o.field, parse_parts(o.outline, "--outline", 0, 255 / 16.0, 16));
+  const std::vector<sim::image> levels = sim::make_field_levels(picture, o.reduction, *o.field, {ink.r, ink.g, ink.b, 0},
+                                                                  value_of(inside_names, o.inside, "inside"));
+  int parts = 0;
+  for (const sim::image& level : levels) parts += blocks_across(level.height_px);
+  progress_bar bar("compiling", parts);
+  c.parts_done = bar.callback();
+  return sim::compile_contour_pack(levels, style, c);
+}
+
 sim::bytes compiled(const sim::image& picture, sim::compile_options c) {
   progress_bar bar("compiling", sim::compile_parts(picture, c));
   c.parts_done = bar.callback();
@@ -79,7 +99,7 @@ void run(const texture_options& o) {
   const sim::output_file out = wanted(o.out), source = wanted(o.c_array);
   const sim::image picture = sim::load_image(o.picture);
   set_level_count(o, picture, c);
-  const sim::bytes pack = compiled(picture, c);
+  const sim::bytes pack = o.field ? compiled_field(o, picture, c) : compiled(picture, c);
   if (out.wanted()) write(out, pack);
   if (source.wanted()) write(source, pack);
 }
@@ -93,14 +113,23 @@ void add_texture_command(CLI::App& app) {
   sub.add_option("--out", o->out, "the pack (.stx); a C array if the name ends in .c (external names) or .h (static)");
   sub.add_option("--c-array", o->c_array, "the pack as a C array as well: .h or .c; its name is the file's");
   sub.add_option("--format", o->format, list_of(sim::format_names))->capture_default_str();
-  sub.add_option("--prefilter", o->prefilter, list_of(sim::prefilter_names))->capture_default_str();
+  CLI::Option* const prefilter = sub.add_option("--prefilter", o->prefilter, list_of(sim::prefilter_names))->capture_default_str();
   sub.add_option("--wrap", o->wrap, list_of(sim::wrap_names) + "; or two, of u and of v: clamp,repeat")->capture_default_str();
-  sub.add_flag("--inverse", o->inverse, "sharpen the levels by a truncated inverse of the prefilter's blur");
-  sub.add_flag("--alpha-weighted", o->alpha_weighted, "colours count by their alpha: those of transparent texels do not bleed");
-  sub.add_option("--alpha-test", o->alpha_test, "1..255: keep the share of texels with at least this alpha on every level");
-  sub.add_option("--levels", o->levels, "so many levels from the largest; all if not given");
+  CLI::Option* const inverse = sub.add_flag("--inverse", o->inverse, "sharpen the levels by a truncated inverse of the prefilter's blur");
+  CLI::Option* const weighted = sub.add_flag("--alpha-weighted", o->alpha_weighted, "colours count by their alpha: those of transparent texels do not bleed");
+  CLI::Option* const alpha_test = sub.add_option("--alpha-test", o->alpha_test, "1..255: keep the share of texels with at least this alpha on every level");
+  CLI::Option* const levels = sub.add_option("--levels", o->levels, "so many levels from the largest; all if not given");
   sub.add_option("--byte-order", o->order, "of 16-bit texels, the target's: " + list_of(order_names))->capture_default_str();
-  sub.add_flag("--srgb", o->srgb, "mark the colours as sRGB; they are filtered as they are");
+  CLI::Option* const srgb = sub.add_flag("--srgb", o->srgb, "colours are sRGB codes: levels are averaged in linear light, and the pack says so");
+  CLI::Option* const field =
+      sub.add_option("--field", o->field, "1..64: a map for filter contour; alpha becomes 128 and so many units a texel of the signed distance to the outline of the "
+                                          "picture's inside");
+  for (CLI::Option* const other : {prefilter, inverse, weighted, alpha_test, levels, srgb}) field->excludes(other);
+  sub.add_option("--inside", o->inside, "of a field: alpha or luma (light) of 128 and more, luma below (dark); either: light of an opaque picture, else alpha")
+      ->needs(field)->capture_default_str();
+  sub.add_option("--reduction", o->reduction, "of a field: pixels of the picture along a texel; its sides are multiples")->needs(field)->capture_default_str();
+  sub.add_option("--ink", o->ink, "of a field: RRGGBB of fill and outline")->needs(field)->capture_default_str();
+  sub.add_option("--outline", o->outline, "of a field: width of the line along the contour in pixels, to 1/16; 0 fills the inside")->needs(field)->capture_default_str();
   sub.add_option("--threads", o->threads, "threads; the bytes do not depend on it")->capture_default_str();
   sub.callback([o] { run(*o); });
 }
