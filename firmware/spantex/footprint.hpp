@@ -100,6 +100,7 @@ constexpr axis_terms axis_of(const profile& q, jacobian j, int64_t twist_u, int6
   const int kept = clamp_to(fitting, bits - 14, max_axis_exponent), drop = min_of(given - kept, 62);
   const int64_t most = (int64_t(1) << bits) - 1;
   const auto mantissa = [&](int64_t x) {
+    if (x == 0) return int32_t(0);
     if (drop >= 0) return int32_t(clamp_to(shift_right_symmetric(x, drop), -most, most));
     const bool fits = bit_length(magnitude(x)) - drop <= bits;
     return int32_t(fits ? x * (int64_t(1) << -drop) : x < 0 ? -most : most);
