@@ -19,6 +19,9 @@ constexpr int bits_of(int128 x) {
   return uint64_t(m >> 64) != 0 ? 64 + bit_length(uint64_t(m >> 64)) : bit_length(uint64_t(m));
 }
 
+// floor(n / d), d > 0.
+constexpr int128 floor_of(int128 n, int128 d) { return n / d - (n % d < 0 ? 1 : 0); }
+
 // |raw / 2^16 - numerator / w| in texels, from an exact integer difference; w > 0. 32 + 45 and 59 + 16 bits: nothing overflows.
 inline double coordinate_error(int32_t raw, int64_t numerator, int64_t w) {
   const int128 difference = int128(raw) * w - (int128(numerator) << 16);

@@ -113,22 +113,34 @@ constexpr axis_terms axis_of(const profile& q, jacobian j, int64_t twist_u, int6
 
 }  // namespace detail
 
-// Of a span evaluated about its centre; the coordinate part is filled.
-constexpr void span_axis(const profile& q, span_coefficients& c) {
+// W^2 J about a span's centre over W0^2, per half pixel in 2^-exponent texels; the coordinate part is filled.
+constexpr jacobian span_jacobian(const profile& q, const span_coefficients& c) {
   const auto slope = [&](int32_t x, int32_t s) { return detail::times_slope(x, s, q.reciprocal_bits); };
-  const jacobian j{c.a_u - slope(c.c_u, c.g), c.b_u - slope(c.c_u, c.h), c.a_v - slope(c.c_v, c.g), c.b_v - slope(c.c_v, c.h)};
-  c.axis = detail::axis_of(q, j, slope(c.a_u, c.h) - slope(c.b_u, c.g), slope(c.a_v, c.h) - slope(c.b_v, c.g), c.exponent);
+  return {c.a_u - slope(c.c_u, c.g), c.b_u - slope(c.c_u, c.h), c.a_v - slope(c.c_v, c.g), c.b_v - slope(c.c_v, c.h)};
 }
 
-// Of a single pixel about its own centre, from the exact plane: W^2 J over W^2.
-constexpr void pixel_axis(const plane& p, const reference& r, const profile& q, int32_t hx, int32_t hy, span_coefficients& c) {
+constexpr void span_axis(const profile& q, span_coefficients& c) {
+  const auto slope = [&](int32_t x, int32_t s) { return detail::times_slope(x, s, q.reciprocal_bits); };
+  c.axis = detail::axis_of(q, span_jacobian(q, c), slope(c.a_u, c.h) - slope(c.b_u, c.g), slope(c.a_v, c.h) - slope(c.b_v, c.g), c.exponent);
+}
+
+// J of a single pixel about its own centre, from the exact plane: W^2 J over W^2; per half pixel in 2^-exponent texels.
+struct scaled_jacobian {
+  jacobian j;
+  int exponent;
+};
+constexpr scaled_jacobian pixel_jacobian(const plane& p, const reference& r, int32_t hx, int32_t hy) {
   const scaled_gradients g = scaled_gradients_at(p, hx, hy);
   // 1/W twice: 32 significant bits each. W^2 J = g 2^drop; J = g y y 2^(drop - 2 (63 + e)).
   const auto over_w2 = [&](int64_t x) {
     return shift_right_symmetric(shift_right_symmetric(x * int64_t(r.inverse_w.y >> 1), 31) * int64_t(r.inverse_w.y >> 1), 31);
   };
-  const jacobian j{over_w2(g.ux), over_w2(g.uy), over_w2(g.vx), over_w2(g.vy)};
-  c.axis = detail::axis_of(q, j, 0, 0, 62 + 2 * r.inverse_w.exponent - g.drop);
+  return {{over_w2(g.ux), over_w2(g.uy), over_w2(g.vx), over_w2(g.vy)}, 62 + 2 * r.inverse_w.exponent - g.drop};
+}
+
+constexpr void pixel_axis(const plane& p, const reference& r, const profile& q, int32_t hx, int32_t hy, span_coefficients& c) {
+  const scaled_jacobian s = pixel_jacobian(p, r, hx, hy);
+  c.axis = detail::axis_of(q, s.j, 0, 0, s.exponent);
 }
 
 // --- datapath side -------------------------------------------------------------------------------------
