@@ -291,11 +291,12 @@ void judge_corners(const pixel_under_test& p) {
     span_coefficients unclipped{};
     if (!coordinates_within(2, {p.map.w.x, p.map.w.y}, p.about, p.q(), unclipped)) return;
   }
+  constexpr int32_t square[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}, hexagon[6][2] = {{2, 0}, {2, 2}, {0, 2}, {-2, 0}, {-2, -2}, {0, -2}};  // SPEC
+  const bool hat = p.c.kind == filter::hat;
   const double bound = in_units(corner_bound(p.q(), p.extent_log2()));
-  for (int k = 0; k < corner_count(p.c.kind); ++k) {
-    const screen_offset d = area_corner(p.c.kind, k);
-    const wide_position at = position_beside(p.prof, p.c, p.i, p.j, d);
-    const int32_t hx = p.hx + d.x, hy = p.hy + d.y;
+  for (int k = 0; k < (hat ? 6 : 4); ++k) {
+    const wide_position at = position_beside(p.prof, p.c, p.i, p.j, area_corner(p.c.kind, k));
+    const int32_t hx = p.hx + (hat ? hexagon : square)[k][0], hy = p.hy + (hat ? hexagon : square)[k][1];
     const int128 w = p.map.w_at(hx, hy);
     const auto judge = [&](wide_coordinate x, int128 n) {
       p.note(stress_stage::corner, double(real(size_of(x.raw() * w - (n << 16))) / std::ldexp(real(w), 16)), bound);
