@@ -308,7 +308,7 @@ void judge_corners(const pixel_under_test& p) {
 
 // Random texels by place.
 struct torus_memory {
-  static constexpr int fine_side = 32, coarse_side = 16;
+  static constexpr int fine_side = 32;
   uint8_t texel[channel_count][fine_side][fine_side];
   uint64_t at(int channel, int x, int y) const { return texel[channel][y % fine_side][x % fine_side]; }
   template <class Observer>
