@@ -145,7 +145,7 @@ void judge_aniso(pixel_under_test& p, random_source& r) {
       exact[n] += std::ldexp(real((one - fraction) * low + fraction * high), -2 * q.subtexel_bits - q.level_bits);
     }
   }
-  note_colour(p, stress_stage::aniso, sums, exact, f.samples, in_units(aniso_colour_bound(q, p.c.two_levels)));
+  note_colour(p, stress_stage::aniso, sums, exact, f.samples, in_units(aniso_colour_bound(q, uses_two_levels(p.c.kind))));
 }
 
 // SPEC section 11: a texel of square m weighs a twentieth more on the centre's side along each axis in which the row runs.

@@ -91,7 +91,7 @@ numbers contour_field_of(const numbers& x) {
   c.two_levels = x[0] != 0;
   c.contour.own_units = x[1] != 0;
   c.contour.threshold = uint16_t(x[2]);
-  const profile q{.level_bits = int(x[3])};
+  const profile q{.level_bits = int(x[3]), .colour_rounding = rounding::nearest};
   return {contour_field({uint32_t(x[5]), int(x[6])}, {uint32_t(x[7]), int(x[8])}, uint32_t(x[4]), c, q)};
 }
 

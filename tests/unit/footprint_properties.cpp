@@ -150,8 +150,8 @@ void each_mean(const Prof& prof, const surface& s, Use use) {
 int mean_channels(filter kind) { return kind == filter::contour ? alpha_channel : channel_count; }
 
 long double colour_bound_of(const profile& q, const span_coefficients& c) {
-  const uint64_t bound = c.kind == filter::aniso     ? aniso_colour_bound(q, c.two_levels)
-                         : c.kind == filter::contour ? colour_bound(q, c.two_levels)
+  const uint64_t bound = c.kind == filter::aniso     ? aniso_colour_bound(q, uses_two_levels(c.kind))
+                         : c.kind == filter::contour ? colour_bound(q, uses_two_levels(c.kind))
                                                      : mean_bound(q);
   return static_cast<long double>(bound) / error_unit;
 }
