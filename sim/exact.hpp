@@ -19,6 +19,9 @@ constexpr int bits_of(int128 x) {
   return uint64_t(m >> 64) != 0 ? 64 + bit_length(uint64_t(m >> 64)) : bit_length(uint64_t(m));
 }
 
+// floor(n / d), d > 0.
+constexpr int128 floor_of(int128 n, int128 d) { return n / d - (n % d < 0 ? 1 : 0); }
+
 // Nu, Nv and W at a position by the caller's integers, before set-up rounded them: cut to 62 bits of W, so right to 2^-45 texel; exact where they
 // are shorter.
 struct exact_point {

@@ -59,8 +59,17 @@ enum class stress_stage {
   coverage,   // pixels of a polygon that the top-left rule gives otherwise
   in_front,   // covered pixels with W <= 0
   fan_once,   // pixels of a fan's outline not drawn exactly once
+  corner,           // of a footprint of step and hat, texels of level 0
+  footprint_vector,  // texels of level 0
+  footprint_level,   // of aniso, levels
+  sample,           // place of a sample of aniso about its footprint's centre, texels of level 0
+  squares,          // colours against exact means of the specified footprint, LSB
+  aniso,
+  area,             // of a texel under step and hat, half square steps of the window
+  step_hat,         // LSB
+  contour,          // coverage, LSB
 };
-inline constexpr int stress_stage_count = 23;
+inline constexpr int stress_stage_count = 32;
 const char* name_of(stress_stage s);
 const char* unit_of(stress_stage s);
 
@@ -84,11 +93,16 @@ struct stress_row {
   stress_family family{};
   uint64_t cases = 0;
   uint64_t evaluations = 0, adverse = 0;  // texture coordinates within s15.16, and those in spans that are what the family is for
+  uint64_t undecided = 0;                 // point samples within the bound of a texel's edge: either texel passes
   uint64_t polygons = 0, refused = 0;     // refused: covers no pixel and set-up said so
   uint64_t failed_cases = 0, first_failure = 0;
   stress_record stages[stress_stage_count];
 
   double adverse_share() const { return evaluations == 0 ? 0 : double(adverse) / double(evaluations); }
+  double undecided_share() const {
+    const uint64_t judged = stages[int(stress_stage::nearest)].judged;
+    return judged == 0 ? 0 : double(undecided) / double(judged);
+  }
   uint64_t failures() const;
 };
 
@@ -101,12 +115,17 @@ struct stress_options {
 };
 
 struct stress_report {
+  profile prof;
   std::vector<stress_row> rows;
   bool complete = true;  // false: stopped by time
 };
 
 // Least part of a family's evaluations that must be adverse; 0 where every case is as good as another.
 double least_adverse_share(stress_family f);
+
+// Part of the point samples that lie so near a texel's edge that the coordinate bound allows either texel, and the most of a whole run that may.
+double undecided_share(const stress_report& r);
+double most_undecided_share(const profile& p);
 
 // The bound of a stage at its widest, in the stage's unit; 0 where nothing may be wrong or the bound depends on the place.
 double widest_bound(const profile& p, stress_stage s);

@@ -11,6 +11,8 @@
 #include <cstdlib>
 
 #include "sim/random.hpp"
+#include "sim/stress_footprints.hpp"
+#include "sim/stress_samples.hpp"
 
 namespace spantex::sim {
 namespace {
@@ -20,35 +22,6 @@ constexpr int last_level_judged = 12;  // level errors count where the exact lev
 double in_units(uint64_t bound) { return double(bound) / double(error_unit); }
 
 long double ratio(int128 a, int128 b) { return static_cast<long double>(a) / static_cast<long double>(b); }
-
-// What the filter reads: the four texels of each level and channel, as the fetch delivers them.
-struct four_texel_memory {
-  static constexpr int fine_side = 32, coarse_side = 16;
-  uint64_t words[channel_count];
-  template <class Observer>
-  fetched fetch(int channel, local_position, local_position, const Observer&) const {
-    return {words[channel]};
-  }
-};
-
-four_texel_memory random_texels(random_source& r) {
-  four_texel_memory m{};
-  for (uint64_t& word : m.words) {
-    word = r.next();
-    if (r.below(2)) word = ((word >> 7) & 0x0101010101010101u) * 255;  // black or white
-  }
-  return m;
-}
-
-// Four bytes blended exactly, times 2^(2 bits).
-int64_t exact_blend(uint32_t texels, weights w, int bits, bool three) {
-  const auto t = [&](int k) { return int64_t((texels >> (8 * k)) & 255); };
-  const int64_t one = int64_t(1) << bits, x = w.u, y = w.v;
-  if (!three) return (one - y) * ((one - x) * t(0) + x * t(1)) + y * ((one - x) * t(2) + x * t(3));
-  const int64_t plane_through =
-      y >= x ? one * t(0) + y * (t(2) - t(0)) + x * (t(3) - t(2)) : one * t(0) + x * (t(1) - t(0)) + y * (t(3) - t(1));
-  return plane_through * one;
-}
 
 stress_stage stage_of(evaluation how) {
   switch (how) {
@@ -84,26 +57,6 @@ stress_bounds::stress_bounds(const profile& p) : prof(p) {
   for (int k = 0; k < max_levels; ++k) snapping[k] = in_units(snapping_bound(p, k));
   for (const bool two : {false, true}) colour[two] = in_units(colour_bound(p, two));
 }
-
-// A map of sides 1..4096, powers of two and others, and a level of it, on which a span's positions are snapped.
-struct stress_judge::sampled_map {
-  explicit sampled_map(uint64_t seed) {
-    random_source r(seed);
-    const auto side = [&] {
-      const int bits = int(r.below(13));
-      return r.below(2) ? 1 << bits : 1 + int32_t(r.below(1u << bits));
-    };
-    static const rgba8 unread{};
-    const rgba8* levels[max_levels];
-    for (const rgba8*& p : levels) p = &unread;
-    const int32_t width = side(), height = r.below(8) == 0 ? width : side();
-    const int count = bit_length(uint64_t(std::max(width, height)));
-    if (texture_view::make(levels, count, width, height, wrap::repeat, wrap::repeat, view) != status::ok) std::abort();
-    level = int(r.below(uint32_t(count)));
-  }
-  texture_view view;
-  int level;
-};
 
 // A span with its coefficients as the planner fills them, its own or those of each pixel.
 class stress_judge::span_under_test {
@@ -248,7 +201,7 @@ void stress_judge::judge_arithmetic(const evaluated_pixel& e) {
 }
 
 // One coordinate of a pixel on its map: snapped to a level, to a single texel, and on the nearest texel.
-void stress_judge::judge_axis(const evaluated_pixel& e, const sampled_map& sampled, bool v, double bound) {
+void stress_judge::judge_axis(const evaluated_pixel& e, const stress_map& sampled, bool v, double bound) {
   const profile& q = e.span.prof.value;
   const texture_view& t = sampled.view;
   const section at = spantex::detail::section_at(t, sampled.level), whole = spantex::detail::section_at(t, 0);
@@ -265,6 +218,8 @@ void stress_judge::judge_axis(const evaluated_pixel& e, const sampled_map& sampl
   } else {
     const int128 before = int128(k) * e.w - e.numerator[v], behind = -before - e.w;
     note(stress_stage::nearest, double(ratio(std::max(int128(0), std::max(before, behind)), e.w)), bound, e.span.at, e.k);
+    const int128 within = e.numerator[v] - floor_of(e.numerator[v], e.w) * e.w;  // of the texel that holds the exact position
+    row_.undecided += double(ratio(std::min(within, e.w - within), e.w)) < bound;
   }
 }
 
@@ -294,7 +249,7 @@ void stress_judge::judge_levels(span_under_test& span, const evaluated_pixel& e)
 }
 
 // The datapath's colour of a pixel from random texels, against the exact blend with the weights of its snapped position and level.
-void stress_judge::judge_colour(span_under_test& span, const evaluated_pixel& e, const sampled_map& sampled) {
+void stress_judge::judge_colour(span_under_test& span, const evaluated_pixel& e, const stress_map& sampled) {
   const profile& q = span.prof.value;
   span_coefficients c = span.with_levels(e.i, e.j, q.formula);
   c.kind = filter((e.k / 5 + span.at.x + span.at.y) % 6);
@@ -328,7 +283,7 @@ void stress_judge::judge_colour(span_under_test& span, const evaluated_pixel& e,
 }
 
 // Levels and colours are judged for every fifth pixel: logarithms are slow.
-stress_judge::signed_error stress_judge::judge_pixel(span_under_test& span, const sampled_map& sampled, int k, bool adverse) {
+stress_judge::signed_error stress_judge::judge_pixel(span_under_test& span, const stress_map& sampled, int k, bool adverse) {
   const evaluated_pixel e(span, k);
   if (e.w <= 0) return {};
   const stress_stage stage = e.stage();
@@ -362,8 +317,9 @@ stress_judge::signed_error stress_judge::judge_pixel(span_under_test& span, cons
 
 void stress_judge::judge_span(const plane& map, span_at s, span_mask mask, bool adverse) {
   span_under_test span(bounds_.prof, map, s);
-  const sampled_map sampled(mix(seed_, uint64_t(s.x), uint64_t(s.y)));
-  for (; mask != 0; mask &= mask - 1) judge_pixel(span, sampled, __builtin_ctzll(mask), adverse);
+  const stress_map sampled(mix(seed_, uint64_t(s.x), uint64_t(s.y)));
+  for (span_mask rest = mask; rest != 0; rest &= rest - 1) judge_pixel(span, sampled, __builtin_ctzll(rest), adverse);
+  judge_footprint(bounds_.prof, map, s, mask, mix(seed_, uint64_t(s.x) << 32 | uint32_t(s.y), 5), *this);
 }
 
 void stress_judge::judge_walk(stress_stage stage, const plane& map, int line, int spans, bool down) {
@@ -371,7 +327,7 @@ void stress_judge::judge_walk(stress_stage stage, const plane& map, int line, in
   for (int n = 0; n < spans; ++n) {
     const span_at s = down ? span_at{line / span_side, n} : span_at{n, line / span_side};
     span_under_test span(bounds_.prof, map, s);
-    const sampled_map sampled(mix(seed_, uint64_t(s.x), uint64_t(s.y)));
+    const stress_map sampled(mix(seed_, uint64_t(s.x), uint64_t(s.y)));
     const bool adverse = is_adverse(row_.family, map, s);
     for (int along = 0; along < span_side; ++along) {
       const int across = line % span_side, k = down ? along * span_side + across : across * span_side + along;

@@ -33,6 +33,8 @@ struct stress_bounds {
   double pixel_numerator, pixel, saturation, relative_w, reciprocal, level, major_level, log2, snapping[16], colour[2];
 };
 
+struct stress_map;
+
 class stress_judge {
  public:
   stress_judge(const stress_bounds& bounds, uint64_t seed, stress_row& row) : bounds_(bounds), seed_(seed), row_(row) {}
@@ -50,7 +52,6 @@ class stress_judge {
   void note(stress_stage stage, double error, double bound, span_at s, int pixel);
 
  private:
-  struct sampled_map;
   struct evaluated_pixel;
   class span_under_test;
   struct signed_error {
@@ -58,12 +59,12 @@ class stress_judge {
     bool counts = false;
   };
 
-  signed_error judge_pixel(span_under_test& span, const sampled_map& sampled, int k, bool adverse);
+  signed_error judge_pixel(span_under_test& span, const stress_map& sampled, int k, bool adverse);
   void judge_arithmetic(const evaluated_pixel& e);
-  void judge_axis(const evaluated_pixel& e, const sampled_map& sampled, bool v, double bound);
+  void judge_axis(const evaluated_pixel& e, const stress_map& sampled, bool v, double bound);
   void judge_out_of_range(const evaluated_pixel& e, bool v);
   void judge_levels(span_under_test& span, const evaluated_pixel& e);
-  void judge_colour(span_under_test& span, const evaluated_pixel& e, const sampled_map& sampled);
+  void judge_colour(span_under_test& span, const evaluated_pixel& e, const stress_map& sampled);
   void judge_walk(stress_stage stage, const plane& map, int line, int spans, bool down);
 
   const stress_bounds& bounds_;

@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 
+#include <spantex/footprint.hpp>
+
 #include "sim/exact.hpp"
 
 namespace spantex::sim {
@@ -111,7 +113,48 @@ class pixel_verifier {
     return false;
   }
 
+  // A row of n samples along (du, dv), trilinear.
+  bool accepts_row(place at, double du, double dv, int n, double level, const colour& pixel) const {
+    std::array<interval, channel_count> sum{};
+    for (int k = 0; k < n; ++k) {
+      const double part = (2 * k + 1 - n) / (2.0 * n);
+      const auto one = trilinear_range({at.u + du * part, at.v + dv * part}, level);
+      for (size_t c = 0; c < sum.size(); ++c) sum[c] = {sum[c].low + one[c].low, sum[c].high + one[c].high};
+    }
+    for (size_t c = 0; c < sum.size(); ++c)
+      if (pixel[c] < sum[c].low / n - threshold_ || pixel[c] > sum[c].high / n + threshold_) return false;
+    return true;
+  }
+
  private:
+  using ranges = std::array<interval, channel_count>;
+  static constexpr ranges nothing() { return {{{256, -1}, {256, -1}, {256, -1}, {256, -1}}}; }
+  static void widen(interval& a, double low, double high) { a = {std::min(a.low, low), std::max(a.high, high)}; }
+
+  // Everything that a level may be at a position, channel by channel.
+  ranges level_range(place at, int level) const {
+    ranges out = nothing();
+    each_patch(at, level, [&](const patch& p) {
+      for (int c = 0; c < channel_count; ++c) {
+        const double middle = blend(p, false, c, p.x.middle(), p.y.middle()), reach = contrast(p, c) * (p.x.half() + p.y.half());
+        widen(out[size_t(c)], middle - reach, middle + reach);
+      }
+      return false;
+    });
+    return out;
+  }
+  ranges trilinear_range(place at, double level) const {
+    const double last = t_.last_level(), low = std::clamp(level - delta_, 0.0, last), high = std::clamp(level + delta_, 0.0, last);
+    ranges out = nothing();
+    for (int l = int(std::floor(low)); l <= int(std::floor(high)); ++l) {
+      const ranges fine = level_range(at, l), coarse = level_range(at, std::min(l + 1, t_.last_level()));
+      for (const double f : {std::clamp(low - l, 0.0, 1.0), std::clamp(high - l, 0.0, 1.0)})
+        for (size_t c = 0; c < out.size(); ++c)
+          widen(out[c], (1 - f) * fine[c].low + f * coarse[c].low, (1 - f) * fine[c].high + f * coarse[c].high);
+    }
+    return out;
+  }
+
   bool nearest(place at, const colour& pixel) const {
     for (int y = int(std::floor(at.v - epsilon_)); y <= int(std::floor(at.v + epsilon_)); ++y)
       for (int x = int(std::floor(at.u - epsilon_)); x <= int(std::floor(at.u + epsilon_)); ++x)
@@ -161,7 +204,77 @@ class pixel_verifier {
   double epsilon_, delta_, threshold_;
 };
 
+// W^2 J at a point, per half pixel.
+struct columns { long double ux, uy, vx, vy; };
+columns columns_at(const plane& m, int32_t hx, int32_t hy) {
+  const int128 w = m.w_at(hx, hy), u = m.u_at(hx, hy), v = m.v_at(hx, hy);
+  const auto term = [&](int64_t a, int128 n, int64_t g) { return static_cast<long double>(a * w - n * g); };
+  return {term(m.u.x, u, m.w.x), term(m.u.y, u, m.w.y), term(m.v.x, v, m.w.x), term(m.v.y, v, m.w.y)};
+}
+
+// The direction nearest to the major axis and, where it is a close call, the next.
+std::array<int, 2> directions_at(const plane& m, int32_t hx, int32_t hy) {
+  const columns j = columns_at(m, hx, hy);
+  const long double across = j.ux * j.ux + j.vx * j.vx - j.uy * j.uy - j.vy * j.vy, twice = 2 * (j.ux * j.uy + j.vx * j.vy);
+  const long double turns = std::atan2(twice, across) / (2 * std::acos(-1.0L)) * direction_count;
+  const auto wrapped = [](long double k) { return (int(std::floor(k)) % direction_count + direction_count) % direction_count; };
+  return {wrapped(turns + 0.499L), wrapped(turns + 0.501L)};
+}
+
+class row_verifier {
+ public:
+  row_verifier(const plane& map, const texture_view& t, const profile& q, const promised_precision& bits)
+      : map_(map), q_(q), delta_(std::ldexp(1.0, -bits.level_bits)), pixel_(t, filter::aniso, bits) {}
+
+  bool accepts(int32_t hx, int32_t hy, const colour& pixel) const {
+    const int32_t cx = (hx & ~15) + 8, cy = (hy & ~15) + 8;
+    for (const auto& [x, y] : {std::pair{hx, hy}, {cx, cy}})
+      if (map_.w_at(x, y) > 0)
+        for (const int direction : directions_at(map_, x, y))
+          if (accepts_along(hx, hy, direction, pixel)) return true;
+    return false;
+  }
+
+ private:
+  bool accepts_along(int32_t hx, int32_t hy, int direction, const colour& pixel) const {
+    const long double w = map_.w_at(hx, hy), scale = w * w / 2;
+    const columns j = columns_at(map_, hx, hy);
+    const screen_direction d = direction_at(direction);
+    const long double c = std::ldexp(static_cast<long double>(d.cos), -direction_bits), s = std::ldexp(static_cast<long double>(d.sin), -direction_bits);
+    const auto du = double((c * j.ux + s * j.uy) / scale), dv = double((c * j.vx + s * j.vy) / scale);
+    const double length = std::log2(std::hypot(du, dv)), area = double(std::log2(std::fabs(j.ux * j.vy - j.uy * j.vx) / (scale * scale)));
+    const double bias = q_.sample_bias / 16.0, ratio = std::clamp(std::min(2 * length - area, length - bias), 0.0, std::log2(double(q_.max_samples)));
+    const double level = length - ratio + bias + q_.level_bias / 16.0;
+    const auto count = [&](double r) { return std::clamp(int(std::ceil(std::exp2(r) - q_.sample_slack / 16.0)), 1, q_.max_samples); };
+    const place at{double(static_cast<long double>(map_.u_at(hx, hy)) / w), double(static_cast<long double>(map_.v_at(hx, hy)) / w)};
+    for (int n = count(ratio - delta_); n <= count(ratio + delta_); ++n)
+      if (pixel_.accepts_row(at, du, dv, n, level, pixel)) return true;
+    return false;
+  }
+
+  const plane& map_;
+  const profile& q_;
+  double delta_;
+  pixel_verifier pixel_;
+};
+
 }  // namespace
+
+verdict verify_aniso(const plane& map, const texture_view& texture, const profile& samples, const promised_precision& bits, const rgba8* picture,
+                     int width_px, int height_px) {
+  const row_verifier verifier(map, texture, samples, bits);
+  verdict result;
+  for (int y = 0; y < height_px; ++y)
+    for (int x = 0; x < width_px; ++x) {
+      const int32_t hx = 2 * x + 1, hy = 2 * y + 1;
+      const int64_t w = map.w_at(hx, hy);
+      if (w <= 0 || !in_range(map.u_at(hx, hy), w) || !in_range(map.v_at(hx, hy), w)) continue;
+      ++result.pixels;
+      if (verifier.accepts(hx, hy, colour_of(picture[y * width_px + x]))) continue;
+      if (result.failures++ == 0) { result.first_x = x; result.first_y = y; }
+    }
+  return result;
+}
 
 verdict verify_plane(const plane& map, const texture_view& texture, filter kind, const promised_precision& bits, const rgba8* picture,
                      int width_px, int height_px) {

@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include <spantex/plane.hpp>
+#include <spantex/profile.hpp>
 #include <spantex/span.hpp>
 #include <spantex/texture.hpp>
 
@@ -24,6 +25,13 @@ struct verdict {
 
 // Pixels of the plane with W > 0 and |u|, |v| < 2^15 inside a width x height picture.
 verdict verify_plane(const plane& map, const texture_view& texture, filter kind, const promised_precision& bits, const rgba8* picture,
+                     int width_px, int height_px);
+
+// The same for aniso: a row of trilinear samples along the image of the direction, of 32 on the screen, that is nearest to the major axis at the
+// middle of the pixel's span or at the pixel; their number and level by docs/SPEC.md section 11 from the exact vector and area, the level
+// of detail and the logarithm of the axes' ratio each within level_bits. Samples are judged one by one: the pixel must lie, channel by
+// channel, between the means of the least and of the largest that each may be.
+verdict verify_aniso(const plane& map, const texture_view& texture, const profile& samples, const promised_precision& bits, const rgba8* picture,
                      int width_px, int height_px);
 
 }  // namespace spantex::sim

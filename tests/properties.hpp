@@ -40,6 +40,36 @@ inline plane plane_of(const homography& m, int32_t width, int32_t height) {
   return p;
 }
 
+// Whole views, heavily minified and near 1:1, a horizon, and a magnified one.
+inline constexpr int view_count = 5;
+inline plane view_plane(int k, int32_t width, int32_t height) {
+  switch (k) {
+    case 0:
+      return plane_of(shrunk(sample_homography(0), 3), width, height);
+    case 1:
+      return plane_of(shrunk(sample_homography(1), 5), width, height);
+    case 2:
+      return plane_of(from_pixel(sample_homography(2), 240, 200), width, height);
+    case 3:
+      return plane_of(shrunk(sample_homography(3), 10), width, height);
+    default:
+      return plane_of(magnified(from_pixel(sample_homography(1), 240, 200), 3), width, height);
+  }
+}
+
+// Small, so that every map edge and wrap is met; the second has no side that halves exactly.
+inline const synthetic_map& map_for(int view) {
+  static const synthetic_map &even = photographic_map(32, 16, 5), &odd = photographic_map(21, 13, 6);
+  return view % 2 == 0 ? even : odd;
+}
+
+// u, v at the centre of pixel (0, 0) and their steps a pixel, in 2^-12 texel.
+inline plane ramp(int32_t u0, int32_t u_x, int32_t v0, int32_t v_y, int32_t w, int32_t h) {
+  const auto n = [](int64_t k) { return wide(k << 20); };
+  const homography m{n(2 * u_x), n(0), n(2 * u0 - u_x), n(0), n(2 * v_y), n(2 * v0 - v_y), n(0), n(0), n(2 << 12)};
+  return plane_of(m, w, h);
+}
+
 // --- profiles, formats -----------------------------------------------------------------------------------
 
 // use(fixed_profile<P>, name) for each of the four.

@@ -13,7 +13,7 @@ import time
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 SCENES = ["facing", "tilted", "grazing", "fig6", "fig7", "fig8", "fig9"]
-FILTERS = ["nearest", "bilinear", "three-point", "mip-bilinear", "trilinear", "trilinear3", "aniso", "squares", "step", "hat"]
+FILTERS = ["nearest", "bilinear", "three-point", "mip-bilinear", "trilinear", "trilinear3", "aniso", "squares", "step", "hat", "contour"]
 PROFILES = ["seed", "compact", "default", "exact"]
 EVALUATIONS = 250_000  # a profile: 10^6 in all
 MODELS = pathlib.Path("/usr/share/assimp/models")

@@ -149,6 +149,87 @@ constexpr uint64_t colour_bound(const profile& p, bool two_levels) {  // two_lev
   return detail::bound_power(-half) + (rounds ? detail::bound_power(-p.blend_bits - half) : 0);
 }
 
+// --- filters with a footprint (docs/ACCURACY.md 14 to 17) ---------------------------------------------------
+
+// Corner of a footprint of step or hat, against the exact position: a coordinate up to nine half pixels from the centre, four more terms.
+constexpr uint64_t corner_bound(const profile& p, int extent_log2) {
+  const uint64_t terms = 4 * detail::bound_power(extent_log2 - 31) + 2 * detail::bound_power(-mantissa_exponent(p, extent_log2));
+  const uint64_t w = 4 * detail::bound_power(-31) + 2 * detail::bound_power(-p.reciprocal_bits);
+  return coordinate_bound(p, extent_log2) + 2 * terms + detail::bound_scaled(w, extent_log2 + 2);
+}
+
+// A texel's area, in units of half a square step of the window (a full texel is 2 4^bits of them): less than one, and 9/16 where the clamp
+// moved it. Hat: half the sum of eight, rounded. In 2^-40 units.
+constexpr uint64_t area_bound(bool hat) { return hat ? 27 * error_unit / 4 : 25 * error_unit / 16; }
+
+namespace detail {
+
+// One term of W^2 J over W0^2 per half pixel (ACCURACY 8): mantissas, slopes, products, and the reciprocal of W0 common to all.
+constexpr uint64_t gradient_bound(const profile& p, int extent_log2) {
+  return 2 * bound_power(extent_log2 - 31) + 9 * bound_power(-mantissa_exponent(p, extent_log2)) + bound_power(extent_log2 - p.reciprocal_bits - 1) +
+         bound_power(extent_log2 - 31) + bound_power(extent_log2 - 29);
+}
+
+// 1/w, absolute: what an evaluation leaves out over the span's reach, the rounding of w, the unit.
+constexpr uint64_t inverse_w_bound(const profile& p, int extent_log2) {
+  return bound_power(-p.tolerance_bits - extent_log2) + 4 * relative_w_bound(p) + 2 * reciprocal_unit_bound(p);
+}
+
+}  // namespace detail
+
+// A component of a footprint's vector along its direction, of a span: n (its terms, fifteen roundings), two products with 1/w, the final
+// rounding. length: the vector's, texels of level 0, whole.
+constexpr uint64_t axis_bound(const profile& p, int extent_log2, int axis_exponent, uint32_t length) {
+  const uint64_t n = 3 * detail::gradient_bound(p, extent_log2) / 2 + 8 * detail::bound_power(-axis_exponent);
+  return 8 * n + 3 * length * detail::inverse_w_bound(p, extent_log2) + 3 * detail::bound_power(-axis_exponent) + detail::bound_power(-17);
+}
+
+// The same of a pixel about its own centre: gradients of 31 bits and two products with a mantissa of 1/W: 2^-26 relative; the terms' last bits,
+// a whole one per half pixel where rounding would lead to a bit more than there is.
+constexpr uint64_t pixel_axis_bound(int jacobian_exponent, int axis_exponent, uint32_t length) {
+  return length * detail::bound_power(-26) + 5 * detail::bound_power(-jacobian_exponent) + 2 * detail::bound_power(-axis_exponent) +
+         detail::bound_power(-17);
+}
+
+// Level of an aniso footprint (its minor axis, or the major one over max_samples), against the exact vector along the same direction and the
+// exact area, where it lies in [0, last]: the term and final roundings; log2 of n, the area, w and max_samples; w; n relative to the vector,
+// the determinant to the area, which is at least 1/16 of the vector's square where it counts; the slopes in both.
+constexpr uint64_t footprint_level_bound(const profile& p) {
+  return detail::level_rounding_bound(p) + 7 * log2_bound() / 2 + detail::bound_power(18 - p.offset_bits) + detail::bound_power(13 - p.reciprocal_bits);
+}
+
+// A sample's offset from the footprint's centre: half a unit of 2^-16, and the step's rounding, 15/2 2^-16 of the vector's component, texels.
+constexpr uint64_t sample_bound(uint32_t length) { return detail::bound_power(-17) + length * (15 * detail::bound_power(-17)); }
+
+// Colours against exact means of the specified footprint. One division of exact sums; of aniso's samples each is rounded as a trilinear
+// pixel is before write-out, and to what is summed.
+constexpr uint64_t mean_bound(const profile& p) { return detail::bound_power(p.colour_rounding == rounding::floor ? 0 : -1); }
+constexpr uint64_t aniso_colour_bound(const profile& p, bool two_levels) {
+  constexpr int sum_bits = 20;
+  return colour_bound(p, two_levels) + detail::bound_power(-sum_bits - (p.colour_rounding == rounding::floor ? 0 : 1));
+}
+
+// exp2_16(), relative: a chord of 1/64, two knots, the last rounding (all fractions: tests/scripts/footprint_proofs.py).
+constexpr uint64_t exp2_bound() { return detail::bound_power(-15); }
+
+// Contours: the field of a pixel against exact filtering, in units of it: rounded to blend_bits, and to 12 fraction bits, on each level; twice as
+// much of a coarser level that counts in its own texels.
+constexpr uint64_t contour_field_bound(const profile& p, bool doubled) {
+  constexpr int field_bits = 12;
+  const int half = p.colour_rounding == rounding::floor ? 0 : 1, bits = min_of(2 * p.subtexel_bits, p.blend_bits);
+  const uint64_t bound = (2 * p.subtexel_bits > p.blend_bits ? detail::bound_power(-p.blend_bits - half) : 0) +
+                         (bits > field_bits ? detail::bound_power(-field_bits - half) : 0);
+  return doubled ? 2 * bound : bound;
+}
+
+// Distance from the contour, pixels, for the factor's logarithm as computed (log2_ceil: rounded up) and a distance of up to `pixels`.
+constexpr uint64_t contour_distance_bound(const profile& p, bool doubled, int log2_ceil, uint32_t pixels) {
+  return detail::bound_scaled(contour_field_bound(p, doubled), log2_ceil) + pixels * exp2_bound() + detail::bound_power(-17);
+}
+
+// Coverage, LSB: a box of one pixel turns pixels into 255 times as much; two roundings of 2^-17 and one of a half.
+constexpr uint64_t contour_bound(uint64_t distance_bound) { return 255 * distance_bound + error_unit / 2; }
+
 // The promises, checked when the library is compiled.
 static_assert(coordinate_bound(profiles::exact) <= error_unit / 512, "exact: coordinates within 1/512 texel");
 static_assert(coordinate_bound(profiles::standard) <= error_unit / 256, "default: coordinates within 1/256 texel");

@@ -96,6 +96,7 @@ constexpr axis_terms axis_of(const profile& q, jacobian j, int64_t twist_u, int6
   const int kept = clamp_to(fitting, bits - 14, max_axis_exponent), drop = min_of(given - kept, 62);
   const int64_t most = (int64_t(1) << bits) - 1;
   const auto mantissa = [&](int64_t x) {
+    if (x == 0) return int32_t(0);
     if (drop >= 0) return int32_t(clamp_to(shift_right_symmetric(x, drop), -most, most));
     const bool fits = bit_length(magnitude(x)) - drop <= bits;
     return int32_t(fits ? x * (int64_t(1) << -drop) : x < 0 ? -most : most);
@@ -108,11 +109,15 @@ constexpr axis_terms axis_of(const profile& q, jacobian j, int64_t twist_u, int6
 
 }  // namespace detail
 
-// Of a span evaluated about its centre; the coordinate part is filled.
+// W^2 J about a span's centre over W0^2, per half pixel in 2^-exponent texels; the coordinate part is filled.
+constexpr jacobian span_jacobian(const profile& q, const span_coefficients& c) {
+  const auto slope = [&](int32_t x, int32_t s) { return detail::times_slope(x, s, q.reciprocal_bits); };
+  return {c.a_u - slope(c.c_u, c.g), c.b_u - slope(c.c_u, c.h), c.a_v - slope(c.c_v, c.g), c.b_v - slope(c.c_v, c.h)};
+}
+
 constexpr void span_axis(const profile& q, span_coefficients& c) {
   const auto slope = [&](int32_t x, int32_t s) { return detail::times_slope(x, s, q.reciprocal_bits); };
-  const jacobian j{c.a_u - slope(c.c_u, c.g), c.b_u - slope(c.c_u, c.h), c.a_v - slope(c.c_v, c.g), c.b_v - slope(c.c_v, c.h)};
-  c.axis = detail::axis_of(q, j, slope(c.a_u, c.h) - slope(c.b_u, c.g), slope(c.a_v, c.h) - slope(c.b_v, c.g), c.exponent);
+  c.axis = detail::axis_of(q, span_jacobian(q, c), slope(c.a_u, c.h) - slope(c.b_u, c.g), slope(c.a_v, c.h) - slope(c.b_v, c.g), c.exponent);
 }
 
 // Of a single pixel about its own centre, from the plane's forms: W^2 J over W^2.

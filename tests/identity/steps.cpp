@@ -4,28 +4,14 @@
 #include <spantex/datapath.hpp>
 #include <spantex/texture.hpp>
 
-#include <cstdio>
-#include <string>
 #include <utility>
-#include <vector>
 
-#include <iostream>
-#include <sstream>
+#include "questions.hpp"
 
 using namespace spantex;
+using namespace spantex::identity;
 
 namespace {
-
-using numbers = std::vector<int64_t>;
-
-// Found by trying: the interval about the default that is_valid() accepts.
-void print_range(const char* name, int profile::*field) {
-  profile p{};
-  int low = p.*field, high = low;
-  while (p.*field = low - 1, is_valid(p)) --low;
-  while (p.*field = high + 1, is_valid(p)) ++high;
-  std::printf("%s %d %d\n", name, low, high);
-}
 
 // Bits of the number that coordinate_at() shifts, for the profiles with the longest shifts.
 template <int Offset, int Reciprocal>
@@ -141,14 +127,5 @@ numbers answer(const std::string& step, const numbers& x) {
 
 int main() {
   print_constants();
-  std::puts("end");
-  for (std::string line; std::getline(std::cin, line);) {
-    std::istringstream in(line);
-    std::string step;
-    in >> step;
-    numbers x;
-    for (int64_t n; in >> n;) x.push_back(n);
-    for (const int64_t n : answer(step, x)) std::printf("%lld ", static_cast<long long>(n));
-    std::puts("");
-  }
+  answer_questions(answer);
 }

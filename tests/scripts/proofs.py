@@ -227,12 +227,11 @@ class Model:
 
 
 class Library:
-    """tests/identity/steps.cpp, built and run."""
+    """tests/identity/steps.cpp or another of its kind, built and run."""
 
-    def __init__(self, folder):
+    def __init__(self, folder, source="tests/identity/steps.cpp"):
         self.program = pathlib.Path(folder) / "steps"
-        subprocess.run([os.environ.get("CXX", "g++"), "-std=c++20", "-O1", "-I.", "-Ifirmware", "tests/identity/steps.cpp", "-o", self.program],
-                       cwd=ROOT, check=True)
+        subprocess.run([os.environ.get("CXX", "g++"), "-std=c++20", "-O1", "-I.", "-Ifirmware", source, "-o", self.program], cwd=ROOT, check=True)
         lines = subprocess.run([self.program], input="", capture_output=True, text=True, check=True).stdout.split("end\n")[0].splitlines()
         self.constants = {name: (int(low), int(high)) for name, low, high in map(str.split, lines)}
 

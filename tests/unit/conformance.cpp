@@ -109,6 +109,48 @@ SPANTEX_CASE(default_conforms_for_every_size_of_map) { every_size_conforms<profi
 SPANTEX_CASE(exact_conforms_for_16_bit_maps) { every_format_conforms<profiles::exact>({8, 8, 1}); }
 SPANTEX_CASE(default_conforms_for_16_bit_maps) { every_format_conforms<profiles::standard>({7, 6, 1}); }
 
+// Rows of samples: their number, places, levels and mean.
+template <profile P>
+void every_row_conforms(const promised_precision& bits) {
+  const synthetic_map* maps[] = {&photographic_map(64, 64), &photographic_map(60, 33), &photographic_map(512, 300)};
+  for (int k = 0; k < sample_plane_count; ++k)
+    for (size_t n = 0; n < std::size(maps); ++n)
+      for (const bool close : {false, true}) {
+        const plane p = close ? close_plane(k) : small_plane(k);
+        const texture_view t = maps[n]->view(all_wraps[n % 3], all_wraps[(n + size_t(k)) % 3]);
+        drawn.reset(width, height);
+        SPANTEX_ASSERT_OK(render_plane_direct<P.fine_side>(fixed_profile<P>{}, p, t, filter::aniso, drawn));
+        const verdict v = verify_aniso(p, t, P, bits, drawn.pixels.data(), width, height);
+        assert_true(v.pixels > 5000);
+        if (v.failures != 0) fail_msg("plane %d, map %d: %d of %d pixels, first (%d, %d)", k, int(n), int(v.failures), int(v.pixels), v.first_x, v.first_y);
+      }
+}
+
+SPANTEX_CASE(aniso_of_exact_conforms_at_8_subtexel_and_8_level_bits) { every_row_conforms<profiles::exact>({8, 8, 1}); }
+SPANTEX_CASE(aniso_of_default_conforms_at_7_subtexel_and_6_level_bits) { every_row_conforms<profiles::standard>({7, 6, 1}); }
+
+// A level off by one, 2 samples at most instead of 16, half a pixel aside, one sample, squares. Channel by channel it sees less than the other verifier.
+SPANTEX_CASE(the_verifier_of_rows_refuses_wrong_pictures) {
+  const texture_view t = photographic_map(512, 300).view(wrap::repeat, wrap::repeat);
+  const plane right = small_plane(2);
+  profile coarser = profiles::exact, fewer = profiles::exact;
+  coarser.level_bias = 16;
+  fewer.max_samples = 2;
+  plane aside = right;
+  aside.u.c += aside.u.x;
+  const auto failing = [&](const profile& q, const plane& p, filter kind) {
+    drawn.reset(width, height);
+    if (render_plane_direct<32>(run_time_profile{q}, p, t, kind, drawn) != status::ok) std::abort();
+    const verdict v = verify_aniso(right, t, profiles::exact, {8, 8, 1}, drawn.pixels.data(), width, height);
+    return double(v.failures) / double(v.pixels);
+  };
+  assert_true(failing(profiles::exact, right, filter::aniso) == 0);
+  const double wrong[] = {failing(coarser, right, filter::aniso), failing(fewer, right, filter::aniso), failing(profiles::exact, aside, filter::aniso),
+                          failing(profiles::exact, right, filter::trilinear), failing(profiles::exact, right, filter::squares)};
+  for (const double share : wrong) std::printf("# %.1f %% of the pixels refused\n", 100 * share);
+  for (const double share : wrong) assert_true(share > 0.1);
+}
+
 // A verifier that accepts anything proves nothing.
 SPANTEX_CASE(the_verifier_refuses_wrong_pictures) {
   const texture_view t = photographic_map(64, 64).view(wrap::repeat, wrap::repeat);
@@ -171,6 +213,9 @@ int main() {
       cmocka_unit_test(default_conforms_for_every_size_of_map),
       cmocka_unit_test(exact_conforms_for_16_bit_maps),
       cmocka_unit_test(default_conforms_for_16_bit_maps),
+      cmocka_unit_test(aniso_of_exact_conforms_at_8_subtexel_and_8_level_bits),
+      cmocka_unit_test(aniso_of_default_conforms_at_7_subtexel_and_6_level_bits),
+      cmocka_unit_test(the_verifier_of_rows_refuses_wrong_pictures),
       cmocka_unit_test(the_verifier_refuses_wrong_pictures),
       cmocka_unit_test(the_verifier_refuses_wrong_texels),
   };

@@ -13,28 +13,7 @@ constexpr int32_t width = 64, height = 48;
 constexpr rectangle area{0, 0, width, height};
 picture drawn;
 
-// Whole views, heavily minified and near 1:1, a horizon, and a magnified one.
-constexpr int view_count = 5;
-plane view_plane(int k) {
-  switch (k) {
-    case 0:
-      return plane_of(shrunk(sample_homography(0), 3), width, height);
-    case 1:
-      return plane_of(shrunk(sample_homography(1), 5), width, height);
-    case 2:
-      return plane_of(from_pixel(sample_homography(2), 240, 200), width, height);
-    case 3:
-      return plane_of(shrunk(sample_homography(3), 10), width, height);
-    default:
-      return plane_of(magnified(from_pixel(sample_homography(1), 240, 200), 3), width, height);
-  }
-}
-
-// Small, so that every map edge and wrap is met; the second has no side that halves exactly.
-const synthetic_map& map_for(int view) {
-  static const synthetic_map &even = photographic_map(32, 16, 5), &odd = photographic_map(21, 13, 6);
-  return view % 2 == 0 ? even : odd;
-}
+plane view_plane(int k) { return sim::view_plane(k, width, height); }
 
 template <class Prof>
 void draw_view(const Prof& prof, const plane& p, const texture_view& t, filter kind) {
@@ -73,23 +52,31 @@ rgba8 from_whole_map(const profile& q, const texture_view& t, filter kind, const
 
 }  // namespace
 
+// Every filter of every profile meets every colour; formats and wraps take the colours in turn, since a constant map is the same through all of
+// them. step and hat, of which there are fewer combinations: every colour in each.
 SPANTEX_CASE(constant_in_constant_out) {
   constexpr rgba8 colours[] = {{0, 0, 0, 0}, {255, 255, 255, 255}, {1, 254, 127, 128}, {200, 3, 77, 254}};
-  for (const rgba8& colour : colours) {
-    const synthetic_map &even = constant_map(16, 8, colour), &odd = constant_map(13, 1, colour);
-    for_each_combination(all_filters, [&](auto prof, const char* name, filter kind, texel_format format, wrap wrap_u, wrap wrap_v) {
-      for (int k = 0; k < view_count; ++k) {
-        const plane p = view_plane(k);
-        draw_view(prof, p, in_format(k % 2 == 0 ? even : odd, format).view(wrap_u, wrap_v), kind);
-        for (int32_t y = 0; y < height; ++y)
-          for (int32_t x = 0; x < width; ++x) {
-            rgba8 wanted = p.w_at(2 * x + 1, 2 * y + 1) > 0 ? as_held(format, colour) : background;
-            if (kind == filter::contour) wanted.a = at(x, y).a;  // a coverage: depends on the level of detail
-            if (!(at(x, y) == wanted)) fail_msg("%s, filter %d, view %d: (%d, %d)", name, int(kind), k, int(x), int(y));
-          }
-      }
-    });
-  }
+  const synthetic_map* maps[std::size(colours)][2];
+  for (size_t n = 0; n < std::size(colours); ++n) maps[n][0] = &constant_map(16, 8, colours[n]), maps[n][1] = &constant_map(13, 1, colours[n]);
+  size_t turn = 0;
+  for_each_combination(all_filters, [&](auto prof, const char* name, filter kind, texel_format format, wrap wrap_u, wrap wrap_v) {
+    const auto check = [&](size_t n, int k) {
+      const plane p = view_plane(k);
+      draw_view(prof, p, in_format(*maps[n][k % 2], format).view(wrap_u, wrap_v), kind);
+      for (int32_t y = 0; y < height; ++y)
+        for (int32_t x = 0; x < width; ++x) {
+          rgba8 wanted = p.w_at(2 * x + 1, 2 * y + 1) > 0 ? as_held(format, colours[n]) : background;
+          if (kind == filter::contour) wanted.a = at(x, y).a;  // a coverage: depends on the level of detail
+          if (!(at(x, y) == wanted)) fail_msg("%s, filter %d, view %d: (%d, %d)", name, int(kind), k, int(x), int(y));
+        }
+    };
+    ++turn;
+    for (int k = 0; k < view_count; ++k)
+      if (uses_area(kind))
+        check((turn + size_t(k)) % std::size(colours), k), check((turn + size_t(k) + 2) % std::size(colours), k);
+      else
+        check((turn + size_t(k)) % std::size(colours), k);
+  });
 }
 
 // One pass over the pictures for what concerns a single pixel.
@@ -133,24 +120,6 @@ SPANTEX_CASE(pixels_are_what_their_texels_and_weights_make) {
   assert_true(left_out < pixels / 4);
 }
 
-// Filters with a footprint, which every profile splits: spans and sections equal the whole map. seed shares a level over the span, which
-// the whole-map arithmetic does not; but for step and hat, whose level bounds their texels.
-SPANTEX_CASE(footprints_equal_the_whole_map) {
-  constexpr filter footprints[] = {filter::squares, filter::aniso, filter::step, filter::hat};
-  static picture expected;
-  for_each_combination(footprints, [&](auto prof, const char* name, filter kind, texel_format format, wrap wrap_u, wrap wrap_v) {
-    if (prof.get().scope == level_scope::span && !uses_area(kind)) return;
-    for (int k = 0; k < view_count; ++k) {
-      const plane p = view_plane(k);
-      const texture_view t = in_format(map_for(k), format).view(wrap_u, wrap_v);
-      draw_view(prof, p, t, kind);
-      expected.reset(width, height);
-      draw_whole_map(prof, {&p, &t, kind}, area, expected);
-      if (!(drawn == expected)) fail_msg("%s, filter %d, format %d, view %d", name, int(kind), int(format), k);
-    }
-  });
-}
-
 // A profile that splits is never corrected; compact raises the level instead.
 SPANTEX_CASE(only_seed_is_ever_corrected) {
   for_each_combination(one_sample_filters, [&](auto prof, const char*, filter kind, texel_format format, wrap wrap_u, wrap wrap_v) {
@@ -164,10 +133,11 @@ SPANTEX_CASE(only_seed_is_ever_corrected) {
   });
 }
 
-// Nearest shows the texel that holds the exact position Nu/W, unless that lies within the coordinate bound of the texel's edge.
+// Nearest shows the texel that holds the exact position Nu/W, unless that lies within the coordinate bound of the texel's edge. What is not judged for
+// that, or because seed's correction moved it, is a share of all pixels with a position in range, and has a limit for each profile.
 SPANTEX_CASE(point_sampling_is_exact) {
   for_each_profile([&](auto prof, const char* name) {
-    int64_t near_an_edge = 0, pixels = 0;
+    int64_t near_an_edge = 0, corrected = 0, pixels = 0;
     for (const texel_format format : all_formats)
       for (const wrap wrap_u : all_wraps)
         for (const wrap wrap_v : all_wraps)
@@ -179,8 +149,12 @@ SPANTEX_CASE(point_sampling_is_exact) {
             each_source(prof, s, area, [&](int32_t x, int32_t y, const pixel_source& source) {
               const int32_t hx = 2 * x + 1, hy = 2 * y + 1;
               const int64_t w = p.w_at(hx, hy), nu = p.u_at(hx, hy), nv = p.v_at(hx, hy);
-              if (source.corrected || !in_range(nu, w) || !in_range(nv, w)) return;
+              if (!in_range(nu, w) || !in_range(nv, w)) return;
               ++pixels;
+              if (source.corrected) {
+                ++corrected;
+                return;
+              }
               const long double bound = static_cast<long double>(coordinate_bound(prof.get(), source.extent_log2)) / error_unit;
               const auto is_near_edge = [&](int64_t n) {
                 const long double u = static_cast<long double>(n) / w;
@@ -195,22 +169,19 @@ SPANTEX_CASE(point_sampling_is_exact) {
               if (!(at(x, y) == wanted)) fail_msg("%s, view %d, (%d, %d)", name, k, int(x), int(y));
             });
           }
-    const double share = double(near_an_edge) / double(pixels);
-    std::printf("# %s: %lld pixels, %.2f %% near an edge\n", name, static_cast<long long>(pixels), 100 * share);
-    assert_true(share < (prof.get() == profiles::compact ? 0.5 : 0.02));  // compact's words are short: its bound is wide
+    const profile& q = prof.get();
+    const double near = double(near_an_edge) / double(pixels), moved = double(corrected) / double(pixels);
+    std::printf("# %s: %lld pixels, %.2f %% not judged: %.2f %% near an edge, %.2f %% clamped\n", name, static_cast<long long>(pixels),
+                100 * (near + moved), 100 * near, 100 * moved);
+    // compact's words are short: its bound is wide. seed draws nearest from 8x8 texels of level 0, which these views seldom hold.
+    assert_true(near < (q == profiles::compact ? 0.45 : 0.02));
+    assert_true(q.overflow == overflow_policy::clamp ? moved < 0.7 : corrected == 0);
   });
 }
 
 // --- monotone ------------------------------------------------------------------------------------------------------
 
 namespace {
-
-// u, v at the centre of pixel (0, 0) and their steps a pixel, in 2^-12 texel.
-plane ramp(int32_t u0, int32_t u_x, int32_t v0, int32_t v_y, int32_t w, int32_t h) {
-  const auto n = [](int64_t k) { return wide(k << 20); };
-  const homography m{n(2 * u_x), n(0), n(2 * u0 - u_x), n(0), n(2 * v_y), n(2 * v0 - v_y), n(0), n(0), n(2 << 12)};
-  return plane_of(m, w, h);
-}
 
 // One channel along a line on which one weight grows.
 struct channel_run {
@@ -367,7 +338,6 @@ int main() {
       cmocka_unit_test(constant_in_constant_out),
       cmocka_unit_test(pixels_are_what_their_texels_and_weights_make),
       cmocka_unit_test(weights_of_a_half_and_a_quarter_have_no_bias),
-      cmocka_unit_test(footprints_equal_the_whole_map),
       cmocka_unit_test(only_seed_is_ever_corrected),
       cmocka_unit_test(point_sampling_is_exact),
       cmocka_unit_test(pictures_are_monotone_in_each_position_weight),

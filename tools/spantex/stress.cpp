@@ -93,7 +93,8 @@ nlohmann::json to_json(const stress_arguments& a, const sim::stress_report& r) {
                         {"failed_cases", row.failed_cases},
                         {"stages", stages}});
   }
-  return {{"profile", a.profile}, {"seed", a.seed}, {"complete", r.complete}, {"families", families}, {"shortfalls", sim::shortfalls(r)}};
+  return {{"profile", a.profile}, {"seed", a.seed}, {"complete", r.complete}, {"families", families}, {"shortfalls", sim::shortfalls(r)},
+          {"nearest_undecided", sim::undecided_share(r)}};
 }
 
 void print_stages(const profile& p, const sim::stress_report& r) {
@@ -104,7 +105,7 @@ void print_stages(const profile& p, const sim::stress_report& r) {
     const sim::stress_record s = sim::over_families(r, stage);
     if (s.judged == 0) continue;
     const double widest = sim::widest_bound(p, stage);
-    const std::string bound = stage == sim::stress_stage::set_up ? "place" : fraction(widest);
+    const std::string bound = stage == sim::stress_stage::set_up || (widest == 0 && s.worst.bound != 0) ? "place" : fraction(widest);
     printf("%-18s %11llu  %-10s %11s %11s %6.1f %% %9llu  --family %s --case %llu\n", sim::name_of(stage), number(s.judged),
            sim::unit_of(stage), fraction(s.largest.error).c_str(), bound.c_str(), 100 * s.worst.share(), number(s.failures),
            sim::name_of(s.worst.family), number(s.worst.case_seed));
@@ -112,13 +113,13 @@ void print_stages(const profile& p, const sim::stress_report& r) {
 }
 
 void print_families(const sim::stress_report& r) {
-  printf("%-16s %9s %12s %9s %9s %10s %10s %9s\n", "family", "cases", "evaluations", "adverse", "at least", "polygons", "refused",
-         "failures");
+  printf("%-16s %9s %12s %9s %9s %9s %10s %10s %9s\n", "family", "cases", "evaluations", "adverse", "at least", "undecided", "polygons",
+         "refused", "failures");
   uint64_t sum = 0;
   for (const sim::stress_row& row : r.rows) {
-    printf("%-16s %9llu %12llu %7.1f %% %7.0f %% %10llu %10llu %9llu\n", sim::name_of(row.family), number(row.cases),
-           number(row.evaluations), 100 * row.adverse_share(), 100 * sim::least_adverse_share(row.family), number(row.polygons),
-           number(row.refused), number(row.failures()));
+    printf("%-16s %9llu %12llu %7.1f %% %7.0f %% %7.2f %% %10llu %10llu %9llu\n", sim::name_of(row.family), number(row.cases),
+           number(row.evaluations), 100 * row.adverse_share(), 100 * sim::least_adverse_share(row.family), 100 * row.undecided_share(),
+           number(row.polygons), number(row.refused), number(row.failures()));
     sum += row.evaluations;
   }
   printf("%llu coordinates\n", number(sum));
@@ -128,9 +129,11 @@ void print_table(const stress_arguments& a, const profile& p, const sim::stress_
   printf("profile %s, seed %llu; one case again: spantex stress --profile %s --family F --case N\n", a.profile.c_str(), number(a.seed),
          a.profile.c_str());
   print_stages(p, r);
-  printf("bound: for the longest reach; worst: the largest part of the bound of its own place that an error is\n\n");
+  printf("bound: for the longest reach; worst: the largest part of the bound of its own place that an error is\n");
+  printf("nearest texel: %.2f %% of the samples are undecided: within the bound of an edge, where either texel passes (at most %.0f %%)\n\n",
+         100 * sim::undecided_share(r), 100 * sim::most_undecided_share(p));
   print_families(r);
-  printf("adverse: in spans that have what the family is named for; refused: polygons that cover no pixel centre\n");
+  printf("adverse: in spans that have what the family is named for; undecided: point samples; refused: polygons that cover no pixel centre\n");
   if (!r.complete) printf("stopped by --seconds before all evaluations were made\n");
 }
 
