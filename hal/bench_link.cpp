@@ -65,7 +65,8 @@ status bench_link::set(const bench::control_lines& c) {
 
 template <class Wanted>
 status bench_link::wait_for(Wanted wanted, uint64_t limit_ns, bench_exit otherwise) {
-  const uint64_t step_end = lines_.now_ns() + limit_ns, end = std::min(step_end, deadline_ns_);
+  const uint64_t begun = lines_.now_ns(), step_end = begun + limit_ns, end = std::min(step_end, deadline_ns_);
+  if (begun >= deadline_ns_) return gave_up(bench_exit::exchange_too_long, status::device_timeout);
   for (;;) {
     bench::status_lines s;
     SPANTEX_TRY(called(lines_.read_status(s)));
