@@ -5,8 +5,9 @@
 //
 //   not in reset:   clock rises, to device    data -> responder, ready rises            clock falls: ready falls
 //                   clock rises, to host      responder -> data driven, ready rises     clock falls: data released, ready falls
-//   in reset:       ready = clock, busy = command, error = direction; data latched while the clock is high to the device, and driven, complemented
-//                   unless command is high, while the clock is high to the host
+//   in reset:       ready = clock, busy = command, error = direction; data latched while the clock is high to the device, and driven, each bit on
+//                   the next line, the last on the first, complemented unless command is high, while the clock is high to the host: so that
+//                   exchanged lines show
 //
 // The data lines are driven only while clock and direction are high, so that a host that lets go of its lines (all fall) ends it.
 #pragma once
@@ -115,7 +116,8 @@ class port {
     const bool entered = !echoing_;
     echoing_ = true;
     if (c.clock && !c.to_host) latched_ = uint8_t(pins_.data() & data_mask);
-    const uint8_t back = uint8_t((c.command ? latched_ : ~latched_) & data_mask);
+    const int turned = latched_ << 1 | latched_ >> (DataBits - 1);
+    const uint8_t back = uint8_t((c.command ? turned : ~turned) & data_mask);
     const bool drives = c.clock && c.to_host, changes = drives != driving_ || (drives && back != driven_);
     if (changes && drives) drive(back);
     if (changes && !drives) let_go();
