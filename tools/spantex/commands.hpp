@@ -18,6 +18,7 @@ void add_prefilters_command(CLI::App& app);
 void add_trace_command(CLI::App& app);
 void add_stress_command(CLI::App& app);
 void add_demo_command(CLI::App& app);
+void add_bench_rig_command(CLI::App& app);
 
 // What --stats writes.
 std::string stats_help(const std::string& what);
