@@ -27,7 +27,7 @@ HOST_OBJECTS := $(HOST_SOURCES:%.cpp=$(B)/%.o)
 TOOL_OBJECTS := $(TOOL_SOURCES:%.cpp=$(B)/%.o)
 UNIT_TESTS   := $(UNIT_SOURCES:tests/unit/%.cpp=$(B)/tests/%)
 
-.PHONY: all demo test stress stress-bench sanitize check-gates unit-tests clean help setup-build setup-test setup-demo
+.PHONY: all demo test stress stress-bench test-gpio fuzz sanitize check-gates unit-tests clean help setup-build setup-test setup-demo
 
 all: setup-build ## build the command: build/spantex
 	@$(MAKE) --no-print-directory -j$(JOBS) $(B)/spantex
@@ -50,6 +50,25 @@ stress: setup-build all ## every stage of the numerics against exact arithmetic,
 stress-bench: setup-build setup-test ## every fault of the bench's wires at every call of the lines, and 10^6 random schedules of faults
 	@$(MAKE) --no-print-directory -j$(JOBS) $(B)/tests/bench_faults
 	@SPANTEX_LONG=1 $(B)/tests/bench_faults
+
+test-gpio: setup-build setup-test ## the bench on Debian's kernel with gpio-sim, under emulation: real libgpiod, a device in a second process
+	@tools/setup gpio
+	@$(MAKE) --no-print-directory -j$(JOBS) $(B)/spantex $(B)/gpio/device
+	@tests/gpio/run.py --build $(B)
+
+$(B)/gpio/device: tests/gpio/device.cpp
+	@mkdir -p $(@D)
+	@$(CXX) $(FLAGS) -static $< -o $@
+
+# Parsers of the bench's frames under libFuzzer: the committed corpus, then FUZZ_RUNS random inputs each.
+FUZZ_RUNS ?= 10000000
+fuzz: setup-build setup-test ## fuzz both frame parsers of the bench, FUZZ_RUNS inputs each
+	@mkdir -p $(B)/fuzz/found
+	@for t in bench_request bench_answer; do \
+	  clang++ $(STD) -O2 -g $(WARN) $(INCLUDES) -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all tests/fuzz/$$t.cpp \
+	    hal/bench_engine.cpp hal/bench_link.cpp -o $(B)/fuzz/$$t || exit 1; \
+	  mkdir -p $(B)/fuzz/found/$$t; \
+	  $(B)/fuzz/$$t -runs=$(FUZZ_RUNS) -max_len=400 -timeout=10 -verbosity=0 -print_final_stats=1 -artifact_prefix=$(B)/fuzz/ $(B)/fuzz/found/$$t tests/fuzz/corpus/$$t || exit 1; done
 
 SANITIZE := -g -fsanitize=address,undefined,unsigned-integer-overflow -fno-sanitize-recover=all \
             -fsanitize-ignorelist=tests/sanitize.ignore -DSPANTEX_CHECK_TRUST

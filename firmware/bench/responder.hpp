@@ -21,7 +21,10 @@ class responder {
   static constexpr int most_answer_bytes = 1 + most_pixel_bytes;
 
   // The engine must outlive the responder and be used by nobody else.
-  constexpr explicit responder(Engine& engine, const Prof& prof = {}) : engine_(engine), prof_(prof) {}
+  constexpr explicit responder(Engine& engine, const Prof& prof = {}) : engine_(engine), prof_(prof) {
+    refuse_quietly();
+    counts_ = {};
+  }
 
   constexpr void receive(uint8_t byte, bool first) {
     if (first) request_.begin();
