@@ -17,14 +17,17 @@ CXXFLAGS ?=
 FLAGS     = $(STD) $(OPT) $(WARN) $(INCLUDES) $(SYSTEM) $(CXXFLAGS) -MMD -MP -pthread
 JOBS     ?= $(shell nproc)
 
-HOST_SOURCES := $(wildcard sim/*.cpp) $(wildcard hal/*.cpp)
+# The bench's GPIO lines need libgpiod, 1.6 or 2; without it the command says so. Its mocks are of 1.6.
+GPIOD_VERSION := $(shell pkg-config --modversion libgpiod 2>/dev/null | cut -d. -f1)
+GPIOD_LIBS    := $(if $(GPIOD_VERSION),$(shell pkg-config --libs libgpiod))
+HOST_SOURCES := $(wildcard sim/*.cpp) $(filter-out hal/gpiod_lines$(if $(GPIOD_VERSION),_absent).cpp,$(wildcard hal/*.cpp))
 TOOL_SOURCES := $(wildcard tools/spantex/*.cpp)
-UNIT_SOURCES := $(wildcard tests/unit/*.cpp)
+UNIT_SOURCES := $(filter-out $(if $(filter 1,$(GPIOD_VERSION)),,tests/unit/gpiod_lines.cpp),$(wildcard tests/unit/*.cpp))
 HOST_OBJECTS := $(HOST_SOURCES:%.cpp=$(B)/%.o)
 TOOL_OBJECTS := $(TOOL_SOURCES:%.cpp=$(B)/%.o)
 UNIT_TESTS   := $(UNIT_SOURCES:tests/unit/%.cpp=$(B)/tests/%)
 
-.PHONY: all demo compare test stress sanitize check-gates unit-tests clean help setup-build setup-test setup-demo setup-compare
+.PHONY: all demo compare test stress stress-bench test-gpio fuzz sanitize check-gates unit-tests clean help setup-build setup-test setup-demo setup-compare
 
 all: setup-build ## build the command: build/spantex
 	@$(MAKE) --no-print-directory -j$(JOBS) $(B)/spantex
@@ -47,6 +50,29 @@ stress: setup-build all ## every stage of the numerics against exact arithmetic,
 	  $(B)/spantex stress --profile $$p --evaluations $(EVALUATIONS) --threads $(JOBS) --json $(B)/stress/$$p.json > $(B)/stress/$$p.txt; \
 	  code=$$?; cat $(B)/stress/$$p.txt; test $$code = 0 || exit 1; done
 
+stress-bench: setup-build setup-test ## every fault of the bench's wires at every call of the lines, and 10^6 random schedules of faults
+	@$(MAKE) --no-print-directory -j$(JOBS) $(B)/tests/bench_faults
+	@SPANTEX_LONG=1 $(B)/tests/bench_faults
+
+test-gpio: setup-build setup-test ## the bench on Debian's kernel with gpio-sim, under emulation: real libgpiod, a device in a second process
+	@tools/setup gpio
+	@$(MAKE) --no-print-directory -j$(JOBS) $(B)/spantex $(B)/gpio/device
+	@tests/gpio/run.py --build $(B)
+
+$(B)/gpio/device: tests/gpio/device.cpp
+	@mkdir -p $(@D)
+	@$(CXX) $(FLAGS) -static $< -o $@
+
+# Parsers of the bench's frames under libFuzzer: the committed corpus, then FUZZ_RUNS random inputs each.
+FUZZ_RUNS ?= 10000000
+fuzz: setup-build setup-test ## fuzz both frame parsers of the bench, FUZZ_RUNS inputs each
+	@mkdir -p $(B)/fuzz/found
+	@for t in bench_request bench_answer; do \
+	  clang++ $(STD) -O2 -g $(WARN) $(INCLUDES) -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all tests/fuzz/$$t.cpp \
+	    hal/bench_engine.cpp hal/bench_link.cpp -o $(B)/fuzz/$$t || exit 1; \
+	  mkdir -p $(B)/fuzz/found/$$t; \
+	  $(B)/fuzz/$$t -runs=$(FUZZ_RUNS) -max_len=400 -timeout=10 -verbosity=0 -print_final_stats=1 -artifact_prefix=$(B)/fuzz/ $(B)/fuzz/found/$$t tests/fuzz/corpus/$$t || exit 1; done
+
 SANITIZE := -g -fsanitize=address,undefined,unsigned-integer-overflow -fno-sanitize-recover=all \
             -fsanitize-ignorelist=tests/sanitize.ignore -DSPANTEX_CHECK_TRUST
 sanitize: setup-build setup-test ## unit tests, command, stress and identity pictures under clang's address, undefined-behaviour and unsigned-overflow sanitizers
@@ -63,13 +89,13 @@ help: ## list the targets
 	@sed -n 's/^\([a-z][a-z0-9-]*\):.*## \(.*\)/  make \1\t\2/p' $(MAKEFILE_LIST) | expand -t 24
 
 setup-build: ; @tools/setup build
-setup-test: ; @tools/setup test cross emulate
+setup-test: ; @tools/setup test cross emulate bench
 setup-demo: ; @tools/setup demo
 setup-compare: ; @tools/setup compare
 
 $(B)/spantex: $(TOOL_OBJECTS) $(HOST_OBJECTS)
 	@echo "  link    $@"
-	@$(CXX) $(FLAGS) $^ -o $@ -lassimp
+	@$(CXX) $(FLAGS) $^ -o $@ -lassimp $(GPIOD_LIBS)
 
 $(B)/picture_hashes: $(B)/tests/identity/picture_hashes.o
 	@mkdir -p $(@D)
@@ -84,9 +110,13 @@ $(B)/%.o: %.cpp Makefile
 $(B)/tests/%: $(B)/tests/unit/%.o $(HOST_OBJECTS)
 	@mkdir -p $(@D)
 	@echo "  link    $@"
-	@$(CXX) $(FLAGS) $^ -o $@ -lcmocka -lassimp $(LIBRARIES) -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc
+	@$(CXX) $(FLAGS) $^ -o $@ -lcmocka -lassimp $(GPIOD_LIBS) $(LIBRARIES) -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc
 
 $(B)/tests/bc: LIBRARIES := -lsquish
+$(B)/hal/gpiod_lines.o: FLAGS += -DSPANTEX_GPIOD_VERSION=$(GPIOD_VERSION)
+GPIOD_MOCKS := chip_open_lookup chip_close chip_get_line chip_find_line line_is_used line_consumer line_request_bulk line_release_bulk \
+               line_set_direction_input_bulk line_set_direction_output_bulk line_set_value_bulk line_get_value_bulk line_event_wait_bulk line_event_read
+$(B)/tests/gpiod_lines: LIBRARIES := $(GPIOD_MOCKS:%=-Wl,--wrap=gpiod_%)
 
 .PRECIOUS: $(B)/tests/unit/%.o
 -include $(HOST_OBJECTS:.o=.d) $(TOOL_OBJECTS:.o=.d) $(UNIT_SOURCES:%.cpp=$(B)/%.d) $(B)/tests/identity/picture_hashes.d

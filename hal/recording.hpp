@@ -22,6 +22,7 @@
 
 #include <hal/engine.hpp>
 #include <hal/operation.hpp>
+#include <hal/span_archive.hpp>
 
 namespace spantex {
 
@@ -104,59 +105,6 @@ class byte_reader {
   size_t at_, end_;
   bool good_ = true;
 };
-
-// The bindings name every member: a new one does not compile until it is archived.
-template <class Archive>
-void archive(Archive& a, section& s) {
-  auto& [origin_u, origin_v, ratio_u, ratio_v, level, one_u, one_v] = s;
-  a(origin_u); a(origin_v); a(ratio_u); a(ratio_v); a(level); a(one_u); a(one_v);
-}
-
-template <class Archive>
-void archive(Archive& a, axis_terms& t) {
-  auto& [c_u, a_u, b_u, c_v, a_v, b_v, area_log2, exponent, first_sample, last_sample, partial] = t;
-  for (int32_t* field : {&c_u, &a_u, &b_u, &c_v, &a_v, &b_v}) a(*field);
-  a(area_log2);
-  a(exponent);
-  a(first_sample);
-  a(last_sample);
-  a(partial);
-}
-
-template <class Archive>
-void archive(Archive& a, contour_terms& t) {
-  auto& [threshold, scale_log2, outline, own_units] = t;
-  a(threshold); a(scale_log2); a(outline); a(own_units);
-}
-
-template <class Archive>
-void archive(Archive& a, footprint_sums& s) {
-  for (uint32_t& channel : s.channel) a(channel);
-  a(s.weight);
-}
-
-template <class Archive>
-void archive(Archive& a, span_coefficients& c) {
-  auto& [base_u, base_v, c_u, a_u, b_u, c_v, a_v, b_v, g, h, row, column, axis, contour, fine, coarse, exponent, slope_log2, last_level, how, terms,
-         kind, two_levels, corrects, linear_light, centred] = c;
-  for (int32_t* field : {&base_u, &base_v, &c_u, &a_u, &b_u, &c_v, &a_v, &b_v, &g, &h}) a(*field);
-  for (int16_t& term : row) a(term);
-  for (int16_t& term : column) a(term);
-  archive(a, axis);
-  archive(a, contour);
-  archive(a, fine);
-  archive(a, coarse);
-  a(exponent);
-  a(slope_log2);
-  a(last_level);
-  a.one_of(how, evaluation::divide);
-  a(terms);
-  a.one_of(kind, last_filter);
-  a(two_levels);
-  a(corrects);
-  a(linear_light);
-  a(centred);
-}
 
 inline constexpr char recording_magic[] = "STXREC\r\n";
 inline constexpr size_t magic_length = sizeof recording_magic - 1;

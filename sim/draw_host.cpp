@@ -75,6 +75,7 @@ status draw_band(const Prof& prof, Engine& engine, const scene& s, const draw_op
 
 template <class Prof, int Fine = Prof::max_fine_side>
 status draw_band_with(const Prof& prof, const scene& s, const draw_options& o, band b, const target& out, band_counts& counts) {
+  if (o.port != nullptr) return draw_band(prof, *o.port, s, o, b, out, counts.work);
   if (o.engine == engine_choice::direct) {
     const auto engine = std::make_unique<direct_engine<Prof, Fine>>(prof);
     return draw_band(prof, *engine, s, o, b, out, counts.work);

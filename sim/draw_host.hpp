@@ -8,6 +8,7 @@
 #include <optional>
 #include <string_view>
 
+#include <hal/any_engine.hpp>
 #include <spantex/draw.hpp>
 #include "counters.hpp"
 #include "image.hpp"
@@ -85,6 +86,7 @@ struct draw_options {
   bool single_half = false;
   latencies table{};                 // engine sim
   trace_sink* sink = nullptr;        // engine sim, one thread
+  any_engine* port = nullptr;        // instead of an engine made here: one thread
   progress_callback parts_done;
 };
 

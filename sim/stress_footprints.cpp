@@ -41,18 +41,22 @@ void fill_coefficients(pixel_under_test& p, filter kind) {
   p.c = spantex::detail::blank_coefficients(s);
   p.whole = false;
   if (p.map.w_at(cx, cy) > 0) {
-    p.about = reference_at(p.map, cx, cy);
-    p.whole = spantex::detail::coordinates_of_span(s, p.about, p.q(), p.c);
+    p.whole = spantex::detail::coordinates_of_span(p.prof, s, cx, cy, p.about, p.c);
   }
   if (p.whole) {
     if (uses_footprint(kind)) span_axis(p.q(), p.c);
-    if (kind == filter::contour) formula_levels(p.q(), p.map, p.about, p.c);
+    if (kind == filter::contour) {
+      formula_levels(p.q(), p.map, p.about, p.c);
+      span_contour(p.q(), p.c);
+    }
     return;
   }
-  p.about = reference_at(p.map, p.hx, p.hy);
-  spantex::detail::coordinates_of_pixel(s, p.about, p.q(), p.c);
+  spantex::detail::coordinates_of_pixel(p.prof, s, p.hx, p.hy, p.about, p.c);
   if (uses_footprint(kind)) pixel_axis(p.map, p.q(), p.hx, p.hy, p.c);
-  if (kind == filter::contour) formula_levels_of_pixel(p.q(), p.map, p.about, p.hx, p.hy, p.c);
+  if (kind == filter::contour) {
+    formula_levels_of_pixel(p.q(), p.map, p.about, p.hx, p.hy, p.c);
+    pixel_contour(p.map, p.hx, p.hy, p.c);
+  }
 }
 
 // --- squares, aniso ------------------------------------------------------------------------------------------
@@ -87,7 +91,7 @@ void judge_vector(const pixel_under_test& p, const footprint& f) {
   const profile& q = p.q();
   const exact_gradients g = gradients_of(p);
   const scaled_jacobian j = p.whole ? scaled_jacobian{span_jacobian(q, p.c), p.c.exponent} : jacobian_at(p.map, p.hx, p.hy);
-  const exact_vector exact = vector_of(p, g, major_direction(j.j));
+  const exact_vector exact = vector_of(p, g, major_direction(j.columns));
   const real length = std::hypot(exact.u, exact.v);
   if (length == 0 || length > 16000) return;  // beyond, components saturate, and the level is the last one
   const auto whole_length = uint32_t(length) + 1;
@@ -370,7 +374,10 @@ void judge_contour(pixel_under_test& p, random_source& r) {
   const bool doubled = p.c.two_levels && p.c.contour.own_units;
   const real f = p.c.two_levels ? std::ldexp(real(level - (whole << q.level_bits)), -q.level_bits) : 0;
   const real exact_field = (1 - f) * field(word, fine.fraction) + f * field(word >> 32, coarse.fraction) * (doubled ? 2 : 1);
-  const int32_t log2 = steepness_log2(p.prof, p.c, p.i, p.j);  // the level of detail's own error is judged with the level
+  field_gradient gradient = gradient_of(fine_texels({word}), fine.fraction, q.subtexel_bits);
+  if (p.c.two_levels)
+    gradient = between_levels(gradient, gradient_of(coarse_texels({word}), coarse.fraction, q.subtexel_bits), uint32_t(level - (whole << q.level_bits)), q.level_bits);
+  const int32_t log2 = steepness_log2(p.prof, p.c, gradient, p.i, p.j);  // the scale as computed: its error is judged on pictures (T=contour)
   const real exact = std::clamp(exact_field * std::exp2(log2 / 65536.0L), -32.0L, 32.0L);
   const uint64_t distance_bound = contour_distance_bound(q, doubled, (log2 >> 16) + 1, uint32_t(std::fabs(exact)) + 1);
   p.note(stress_stage::contour, double(std::fabs(got - 255 * exact_coverage(exact, p.c.contour.outline))), in_units(contour_bound(distance_bound)));

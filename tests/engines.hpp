@@ -9,9 +9,11 @@
 #include "tests/support.hpp"
 
 #include <hal/any_engine.hpp>
+#include <hal/bench_engine.hpp>
 #include <hal/faulty_engine.hpp>
 #include <hal/recording_engine.hpp>
 #include <hal/sim_engine.hpp>
+#include <sim/bench_wires.hpp>
 
 namespace spantex::sim {
 
@@ -40,6 +42,14 @@ struct faulty_rig {
   faulty_engine<simulated> engine{inner};
   faulty_engine<simulated>& port() { return engine; }
 };
+template <int DataBits>
+struct bench_rig_of {
+  simulated_bench<prof, DataBits> wires;
+  bench_engine engine{wires, prof::value};
+  bench_engine& port() { return engine; }
+};
+using bench_rig = bench_rig_of<8>;
+using narrow_bench_rig = bench_rig_of<4>;
 struct any_rig {
   any_engine_of<direct> engine;
   any_engine& port() { return engine; }

@@ -20,7 +20,8 @@ COMPILERS = {
 
 def headers():
     found = [f"spantex/{p.name}" for p in sorted((ROOT / "firmware/spantex").glob("*.hpp"))]
-    return found + ["hal/engine.hpp", "hal/direct_engine.hpp"]
+    bench = [f"firmware/bench/{p.name}" for p in sorted((ROOT / "firmware/bench").glob("*.hpp"))]
+    return found + bench + ["hal/engine.hpp", "hal/direct_engine.hpp", "hal/span_archive.hpp"]
 
 
 def compiles(compiler, flags, source):

@@ -213,6 +213,8 @@ int main() {
       SPANTEX_ALL_CLAUSES(recording_rig),
       SPANTEX_ALL_CLAUSES(faulty_rig),
       SPANTEX_ALL_CLAUSES(any_rig),
+      SPANTEX_ALL_CLAUSES(bench_rig),
+      SPANTEX_ALL_CLAUSES(narrow_bench_rig),
   };
   return sim::run_suite("hal_conformance", tests);
 }
