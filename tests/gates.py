@@ -241,6 +241,8 @@ GATES = [
     ("squares weighted alike", F + "footprint.hpp", "row_weight = aside + 3 - distance;", "row_weight = aside + 3;", "footprint", "squares_have*", ["sim/reference.cpp"]),
     ("means rounded down", F + "filter.hpp", "return uint16_t(whole + (up ? 1 : 0));", "return uint16_t(whole + 0 * up);", "footprint_properties", "pixels_are*", []),
     ("means biased at ties and beyond", F + "filter.hpp", "rest >= weight - rest :", "rest + weight / 16 >= weight - rest :", "footprint_properties", "pixels_are*", []),
+    ("footprints out of range half as wide", F + "area.hpp", "int32_t(1) << (10 + c.exponent)", "int32_t(1) << (9 + c.exponent)", "footprint_properties", "footprints_at*", []),
+    ("footprints at the horizon clipped along one axis", F + "area.hpp", "clipped.a_u = halved(r.a_u);", "clipped.a_u = r.a_u;", "footprint_properties", "footprints_at*", []),
     ("a sample left out", F + "datapath.hpp", "k < min_of(c.axis.last_sample, f.samples); ++k)", "k < min_of(c.axis.last_sample, max_of(1, f.samples - 1)); ++k)",
      "footprint_properties", "pixels_are*", []),
     ("areas of hat halved upwards", F + "area.hpp", "weight[n] = shift_right(weight[n], 1);", "weight[n] = (weight[n] >> 1) + 8;", *STRESS),

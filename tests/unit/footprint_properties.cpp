@@ -295,6 +295,27 @@ SPANTEX_CASE(pictures_are_monotone_along_an_edge) {
   assert_true(grown > 50000);
 }
 
+// SPEC "Footprints: step and hat": towards the horizon the footprint is halved about its centre, all slopes alike, until w stays in (1/2, 3/2); out of
+// range it is the square of 2^10 texels for every half pixel.
+SPANTEX_CASE(footprints_at_the_horizon_and_out_of_range_are_as_specified) {
+  const profile& q = profiles::exact;
+  const int64_t one = int64_t(1) << 40;
+  plane p{{5 * one, -3 * one, 70 * one}, {2 * one, 9 * one, -20 * one}, {one, 2 * one, 4 * one}, 0, 0, 0};
+  span_coefficients c{};
+  reference r = reference_at(p, 0, 0);
+  pixel_area_coordinates(p, r, q, c);  // 2 (1 + 2) / 4 = 3/2 of w; a half is 3/4, too much, a quarter 3/8
+  const auto is_near = [](int64_t got, int64_t wanted) { return magnitude(got - wanted) <= 2; };
+  assert_true(c.centred && is_near(c.g, int64_t(1) << (q.reciprocal_bits - 4)) && is_near(c.h, int64_t(1) << (q.reciprocal_bits - 3)));
+  for (const auto& [slope, wanted] : {std::pair{c.a_u, r.a_u}, {c.b_u, r.b_u}, {c.a_v, r.a_v}, {c.b_v, r.b_v}})
+    assert_true(is_near(slope, int64_t(((int128(wanted) << c.exponent) / 16) / one)));
+  p.u.c = int64_t(1) << 58;
+  r = reference_at(p, 0, 0);
+  assert_false(r.u_in_range);
+  pixel_area_coordinates(p, r, q, c);
+  assert_true(c.centred && c.how == evaluation::affine && c.c_u == 0 && c.c_v == 0 && c.b_u == 0 && c.a_v == 0);
+  assert_true(c.a_u == 1024 << c.exponent && c.b_v == 1024 << c.exponent);
+}
+
 int main() {
   const CMUnitTest tests[] = {
       cmocka_unit_test(pixels_are_means_of_their_texels),
@@ -302,6 +323,7 @@ int main() {
       cmocka_unit_test(footprints_equal_the_whole_map),
       cmocka_unit_test(pictures_are_monotone_in_their_texels),
       cmocka_unit_test(pictures_are_monotone_along_an_edge),
+      cmocka_unit_test(footprints_at_the_horizon_and_out_of_range_are_as_specified),
   };
   return run_suite("footprint_properties", tests);
 }
