@@ -293,7 +293,7 @@ void judge_areas(const pixel_under_test& p, const area_window& w, const cell_wei
 void judge_corners(const pixel_under_test& p) {
   if (!p.whole) {
     span_coefficients unclipped{};
-    if (!coordinates_within(2, {p.map.w.x, p.map.w.y}, p.about, p.q(), unclipped)) return;
+    if (!coordinates_within(2, p.about, p.q(), false, unclipped)) return;
   }
   constexpr int32_t square[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}, hexagon[6][2] = {{2, 0}, {2, 2}, {0, 2}, {-2, 0}, {-2, -2}, {0, -2}};  // SPEC
   const bool hat = p.c.kind == filter::hat;

@@ -30,7 +30,7 @@ span_coefficients whole_map_coefficients(const Prof& prof, const surface& s, int
   if (uses_area(s.kind)) return c;
   if (uses_footprint(s.kind)) pixel_axis(*s.map, q, hx, hy, c);
   else formula_levels_of_pixel(q, *s.map, r, hx, hy, c);
-  if (s.kind == filter::contour) pixel_contour(*s.map, r, hx, hy, c);
+  if (s.kind == filter::contour) pixel_contour(*s.map, hx, hy, c);
   return c;
 }
 

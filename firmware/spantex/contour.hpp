@@ -131,12 +131,14 @@ constexpr int32_t steepness_log2(const Prof& prof, const span_coefficients& c, f
 }
 
 // Pixels from the contour, s5.16, positive inside; cut to 32. The product with the factor's mantissa stays below 2^(29 + 17), up by at most 2 bits.
+constexpr int32_t scaled_distance(int32_t field, int32_t log2, int level_bits) {
+  const int64_t product = int64_t(field) * exp2_16(log2 & 0xFFFF);
+  const int64_t distance = scale_down(product, detail::field_bits + level_bits - int(log2 >> 16));
+  return int32_t(clamp_to(distance, -int64_t(detail::most_distance), int64_t(detail::most_distance)));
+}
 template <class Prof>
 constexpr int32_t contour_distance(const Prof& prof, const span_coefficients& c, int32_t field, field_gradient d, int i, int j) {
-  const int32_t log2 = steepness_log2(prof, c, d, i, j), whole = log2 >> 16;
-  const int64_t product = int64_t(field) * exp2_16(log2 & 0xFFFF);
-  const int64_t distance = scale_down(product, detail::field_bits + prof.get().level_bits - int(whole));
-  return int32_t(clamp_to(distance, -int64_t(detail::most_distance), int64_t(detail::most_distance)));
+  return scaled_distance(field, steepness_log2(prof, c, d, i, j), prof.get().level_bits);
 }
 
 // Coverage, 0..255 to nearest.

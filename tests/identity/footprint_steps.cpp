@@ -95,17 +95,8 @@ numbers contour_field_of(const numbers& x) {
   return {contour_field({uint32_t(x[5]), int(x[6])}, {uint32_t(x[7]), int(x[8])}, uint32_t(x[4]), c, q)};
 }
 
-// level_bits, the field, the level term of every row and column (s5.10), the scale (s5.10), own units, the finer level.
-numbers contour_distance_of(const numbers& x) {
-  const run_time_profile prof{{.level_bits = int(x[0])}};
-  span_coefficients c{};
-  spantex::detail::fill(c.level_row, int16_t(x[2]));
-  spantex::detail::fill(c.level_column, int16_t(x[2]));
-  c.contour.scale_log2 = int16_t(x[3]);
-  c.contour.own_units = x[4] != 0;
-  c.fine.level = uint8_t(x[5]);
-  return {contour_distance(prof, c, int32_t(x[1]), 0, 0)};
-}
+// level_bits, the field, log2 of the factor to pixels (s.16).
+numbers contour_distance_of(const numbers& x) { return {scaled_distance(int32_t(x[1]), int32_t(x[2]), int(x[0]))}; }
 
 numbers swept_of(const numbers& x) {
   const auto n = [&](size_t k) { return int32_t(x[k]); };

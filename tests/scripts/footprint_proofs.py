@@ -203,8 +203,7 @@ class Model:
             return field(value, bits) << L
         return field_sum(field(value, bits), field(value2, bits2) * (2 if own else 1), 1 << L, f)
 
-    def contour_distance(self, L, field, term, scale, own, level):
-        e = clamp((level << 16 if own else 0) - term * 64 - scale * 64, -32 * 65536, 15 * 65536)
+    def contour_distance(self, L, field, e):
         product, shift = field * self.exp2(e & 0xFFFF), self.k["field_bits"] + L - (e >> 16)
         most = self.k["most_distance"]
         return clamp(nearest(product, shift) if shift > 0 else product << -shift, -most, most)
@@ -277,7 +276,7 @@ def links(library, trials):
         value, bits = (lambda b: (rng.choice((0, 255 << b, rng.randint(0, 255 << b))), b)), lambda: rng.randint(0, 24)  # noqa: E731
         field = [rng.randint(0, 1), rng.randint(0, 1), rng.choice((0, 65535, rng.getrandbits(16))), L, rng.randrange(1 << L), *value(bits()), *value(bits())]
         yield ["contour_field", *field], [model.contour_field(*field)]
-        distance = [L, rng.any(29), rng.randint(-32768, 32767), rng.randint(-4096, 8191), rng.randint(0, 1), rng.randint(0, 12)]
+        distance = [L, rng.any(29), rng.randint(-32 * 65536, 15 * 65536)]
         yield ["contour_distance", *distance], [model.contour_distance(*distance)]
         cover = [rng.any(21), rng.choice((0, 255, rng.randrange(256)))]
         yield ["coverage", *cover], [model.coverage(*cover)]
