@@ -505,6 +505,17 @@ def proves_reference(k):
     yield valid, products, And(size(c) < 1 << 63, size(c) + 7 * (size(ra) + size(rb)) < 1 << 63)
 
 
+def proves_exact_reference(k):
+    """coordinates.hpp exact_reference_at: rebased from coefficients of set-up's contract (below 2^110, at the point below 2^125) everything fits
+    the 126 bits of `wide`; cut to 45 bits of W and 57 of the slopes, the sums of coordinates_within() fit 64. Held against 128-bit integers in
+    tests/unit/coordinates.cpp."""
+    n, w, bw, x, g, bg, cut_c, cut_a, cut_b = (Int(name) for name in ("n", "w", "bw", "x", "g", "bg", "cut_c", "cut_a", "cut_b"))
+    valid = [size(n) <= 1 << 125, w > 0, w <= 1 << 125, size(x) < 1 << 110, size(g) < 1 << 110, size(bg) <= (1 << 15) * size(g)]
+    valid += [size(cut_c) <= (1 << 45) + 1, size(cut_a) <= 1 << 57, size(cut_b) <= 1 << 57]
+    fits = And(size(bw) < 1 << 127, size(rebased(n, 1, bw)) < 1 << 126, size(rebased(x, 1, bg)) < 1 << 126)
+    yield valid, [size(n - bw) <= w], And(fits, size(cut_c) + 9 * (size(cut_a) + size(cut_b)) < 1 << 63)
+
+
 def proves_level_terms(k):
     """Gradients stay below 2^31, so their squares, summed, fit 64 bits; from |c| + 7(|a| + |b|) <= 2^30 + 32 and slopes below 1/14."""
     a, b, c, ah, bg, cg, ch = (Int(n) for n in ("a", "b", "c", "ah", "bg", "cg", "ch"))
@@ -601,7 +612,7 @@ def enumerates_level_bound(library):
 PROOFS = [proves_newton_step, proves_quotient, proves_pixel_numerator, proves_relative_w, proves_series_slope, proves_series, proves_series_numerator,
           proves_level_series, proves_corner_numerator, proves_corner_w,
           proves_swept_area, proves_position, proves_on_level, proves_blend,
-          proves_reference, proves_level_terms, proves_gradient_is_half_the_slopes]
+          proves_reference, proves_exact_reference, proves_level_terms, proves_gradient_is_half_the_slopes]
 
 
 def holds(valid, key, good):
