@@ -3,6 +3,7 @@
 // blocks of 8x8 texels; a block holds its four channels one after another, 64 bytes each, so that one 512-bit register is one channel of one
 // block and a byte permute is 64 of the papers' banked fetches. Around the level lie blocks with what the wrap mode says lies there.
 #pragma once
+#include <stddef.h>
 #include <stdint.h>
 
 #include <vector>

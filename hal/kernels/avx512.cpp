@@ -1,0 +1,556 @@
+// SPDX-License-Identifier: Apache-2.0
+// AVX-512 with VBMI: eight spans of a row are planned at once, one 64-bit lane each; then each span's 64 pixels are computed, sixteen 32-bit
+// lanes at a time. Local memory is registers: a channel of 16x16 texels is four of them, and a byte permute of two registers is 64 fetches.
+//
+// Every number equals the scalar datapath's (docs/SPEC.md). Rounding shifts are folded: floor(floor(x / 2^a) + k) / 2^b) = floor((x + k 2^a) / 2^(a + b)),
+// so a position is rounded to coordinate_bits and then snapped in one addition and one shift; addresses in local memory are taken modulo its
+// side, so positions may wrap around in 32 bits.
+#include "kernel.hpp"
+
+#if defined(__x86_64__)
+#include <immintrin.h>
+
+#include <spantex/coordinates.hpp>
+#include <spantex/reciprocal.hpp>
+
+// What the headers define stays compiled for any machine.
+#if defined(__clang__)
+#pragma clang attribute push(__attribute__((target("avx512f,avx512bw,avx512cd,avx512dq,avx512vl,avx512vbmi,avx512vnni"))), apply_to = function)
+#else
+#pragma GCC push_options
+#pragma GCC target("avx512f,avx512bw,avx512cd,avx512dq,avx512vl,avx512vbmi,avx512vnni")
+#endif
+
+namespace spantex::kernels {
+namespace {
+
+constexpr profile q = profiles::standard;
+static_assert(q.offset_bits == 31 && q.reciprocal_bits == 30 && q.subtexel_bits == 7 && q.level_bits == 8 && q.blend_bits == 7 && q.fine_side == 16 &&
+              q.coordinate_bits <= 16 && q.level_bias == 0 && q.formula == level_formula::jacobian && q.scope == level_scope::pixel &&
+              q.overflow == overflow_policy::split && q.position_rounding == rounding::nearest && q.colour_rounding == rounding::even,
+              "the kernel is written for these");
+static_assert(max_extent_log2 == 12 && reach == 7 && reciprocal_seed_bits == 7);
+
+using v8 = __m512i;   // eight 64-bit lanes: a span each
+using v16 = __m512i;  // sixteen 32-bit lanes: a pixel each
+
+constexpr int batch_size = 8;
+
+// What a batch of spans needs below the planner: span_coefficients of eight spans, side by side.
+struct alignas(64) batch {
+  int32_t c_u[batch_size], a_u[batch_size], b_u[batch_size], c_v[batch_size], a_v[batch_size], b_v[batch_size];
+  int32_t g[batch_size], h[batch_size];
+  int32_t base_u[batch_size], base_v[batch_size];       // modulo the map's period
+  int32_t exponent[batch_size], slope_log2[batch_size];
+  int32_t terms[batch_size];                             // 0: affine, 1..4: series, 5: divide
+  uint32_t usable;                                       // bit k: span k is in here
+};
+constexpr int divide_terms = 5;
+
+[[gnu::always_inline]] inline v8 bit_length(v8 x) { return _mm512_sub_epi64(_mm512_set1_epi64(64), _mm512_lzcnt_epi64(x)); }
+[[gnu::always_inline]] inline v8 set(int64_t x) { return _mm512_set1_epi64(x); }
+
+struct inverse8 { v8 y, exponent; };
+
+[[gnu::always_inline]] inline v8 newton(v8 m, v8 y) {
+  const v8 error = _mm512_sub_epi64(set(INT64_MIN), _mm512_mul_epu32(m, y));
+  const v8 next = _mm512_add_epi64(y, _mm512_srai_epi64(_mm512_mullo_epi64(y, _mm512_srai_epi64(error, 32)), 31));
+  return _mm512_min_epi64(next, set(0xFFFFFFFF));
+}
+
+// reciprocal_wide() of 32-bit m in 64-bit lanes.
+[[gnu::always_inline]] inline v8 reciprocal8(v8 m) {
+  const v8 k = _mm512_and_si512(_mm512_srli_epi64(m, 24), set(127));
+  const uint16_t* t = reciprocal_seeds.seed;
+  const v8 low = _mm512_permutex2var_epi16(_mm512_loadu_si512(t), k, _mm512_loadu_si512(t + 32));
+  const v8 high = _mm512_permutex2var_epi16(_mm512_loadu_si512(t + 64), k, _mm512_loadu_si512(t + 96));
+  const v8 seed = _mm512_mask_mov_epi64(low, _mm512_test_epi64_mask(k, set(64)), high);
+  const v8 y = _mm512_slli_epi64(_mm512_and_si512(seed, set(0xFFFF)), 16);
+  return newton(m, newton(m, y));
+}
+
+[[gnu::always_inline]] inline inverse8 invert8(v8 w) {
+  const v8 zeros = _mm512_lzcnt_epi64(w);
+  return {reciprocal8(_mm512_srli_epi64(_mm512_sllv_epi64(w, zeros), 32)), _mm512_sub_epi64(set(32), zeros)};
+}
+
+// quotient() with its shift given: 63 + exponent - drop - scale.
+[[gnu::always_inline]] inline v8 quotient8(v8 n, v8 drop, v8 y, v8 shift) {
+  const v8 product = _mm512_mul_epu32(_mm512_srlv_epi64(_mm512_abs_epi64(n), drop), y);
+  const v8 half = _mm512_sllv_epi64(set(1), _mm512_sub_epi64(shift, set(1)));
+  const v8 magnitude = _mm512_srlv_epi64(_mm512_add_epi64(product, half), shift);
+  return _mm512_mask_sub_epi64(magnitude, _mm512_movepi64_mask(n), _mm512_setzero_si512(), magnitude);
+}
+
+[[gnu::always_inline]] inline v8 whole_quotient8(v8 n, v8 w_bits, const inverse8& iw, __mmask8& usable) {
+  const v8 bits = bit_length(_mm512_abs_epi64(n));
+  const v8 drop = _mm512_max_epi64(_mm512_sub_epi64(bits, set(31)), _mm512_setzero_si512());
+  const v8 shift = _mm512_sub_epi64(_mm512_add_epi64(iw.exponent, set(63)), drop);
+  const v8 r = quotient8(n, drop, iw.y, shift);
+  usable &= _mm512_cmple_epi64_mask(bits, _mm512_add_epi64(w_bits, set(15)));
+  usable &= _mm512_cmple_epi64_mask(_mm512_abs_epi64(r), set(32767));
+  return r;
+}
+
+[[gnu::always_inline]] inline v8 times7(v8 x) { return _mm512_sub_epi64(_mm512_slli_epi64(x, 3), x); }
+
+[[gnu::always_inline]] inline void keep(int32_t (&to)[batch_size], v8 x) { _mm256_store_si256(reinterpret_cast<__m256i*>(to), _mm512_cvtepi64_epi32(x)); }
+[[gnu::always_inline]] inline __m256i got(const int32_t (&from)[batch_size]) { return _mm256_load_si256(reinterpret_cast<const __m256i*>(from)); }
+
+// --- sixteen pixels ------------------------------------------------------------------------------------
+
+[[gnu::always_inline]] inline v16 set32(int32_t x) { return _mm512_set1_epi32(x); }
+[[gnu::always_inline]] inline v16 upper() { return set32(int32_t(0xFFFF0000)); }
+
+// q of the series in the upper half of each lane, lower half zero.
+template <int Terms>
+[[gnu::always_inline]] inline v16 series16(v16 e, v16 slope_log2) {
+  const v16 e16 = _mm512_and_si512(_mm512_sllv_epi32(e, _mm512_sub_epi32(_mm512_setzero_si512(), slope_log2)), upper());
+  const v16 drop = _mm512_sub_epi32(set32(-2), slope_log2);
+  v16 r = e16;
+#pragma GCC unroll 4
+  for (int k = 1; k < Terms; ++k)
+    r = _mm512_sub_epi32(e16, _mm512_and_si512(_mm512_srav_epi32(_mm512_madd_epi16(e16, r), drop), upper()));
+  return r;
+}
+
+[[gnu::always_inline]] inline v16 by_series16(v16 n, v16 r, v16 drop) {
+  return _mm512_sub_epi32(n, _mm512_srav_epi32(_mm512_madd_epi16(n, r), drop));
+}
+
+// 1/w of sixteen pixels, u1.30, as even and odd lanes in 64 bits each.
+struct reciprocals16 { v8 even, odd; };
+[[gnu::always_inline]] inline v8 reciprocal_of_w8(v8 w) {  // reciprocal_of_w(w, 30)
+  const __mmask8 small = _mm512_cmplt_epu64_mask(w, set(int64_t(1) << 30));
+  const v8 one = set(1), two = _mm512_add_epi64(one, one);
+  const v8 m = _mm512_sllv_epi64(w, _mm512_mask_mov_epi64(one, small, two));
+  const v8 y = reciprocal8(m);
+  const v8 shift = _mm512_mask_mov_epi64(two, small, one), half = _mm512_mask_mov_epi64(two, small, one);
+  return _mm512_srlv_epi64(_mm512_add_epi64(y, half), shift);
+}
+[[gnu::always_inline]] inline reciprocals16 reciprocal16(v16 e) {
+  const v16 w = _mm512_add_epi32(e, set32(1 << 30));
+  return {reciprocal_of_w8(_mm512_and_si512(w, set(0xFFFFFFFF))), reciprocal_of_w8(_mm512_srli_epi64(w, 32))};
+}
+
+// n / w with 14 fraction bits, rounded, as for coordinate_bits.
+[[gnu::always_inline]] inline v16 by_divide16(v16 n, const reciprocals16& r, v8 shift) {
+  const v8 half = _mm512_sllv_epi64(set(1), _mm512_sub_epi64(shift, set(1)));
+  const auto one = [&](v8 x, v8 y) { return _mm512_srav_epi64(_mm512_add_epi64(_mm512_mul_epi32(x, y), half), shift); };
+  const v8 even = one(n, r.even), odd = one(_mm512_srli_epi64(n, 32), r.odd);
+  return _mm512_mask_mov_epi32(even, 0xAAAA, _mm512_slli_epi64(odd, 32));
+}
+
+// --- eight spans ---------------------------------------------------------------------------------------
+
+[[gnu::always_inline]] inline v8 modulo(v8 base, int32_t period) {
+  if (period == 0) return base;
+  if ((period & (period - 1)) == 0) return _mm512_and_si512(base, set(period - 1));
+  // floor(base / period) by a reciprocal of 2^40: base is below 2^15, so the error stays below one step
+  const v8 shifted = _mm512_add_epi64(base, set(int64_t(period) * (32768 / period + 1)));
+  const v8 times = _mm512_srli_epi64(_mm512_mullo_epi64(shifted, set(((int64_t(1) << 40) + period - 1) / period)), 40);
+  return _mm512_sub_epi64(shifted, _mm512_mullo_epi64(times, set(period)));
+}
+
+// reference_at() and coordinates_within() of eight spans from (sx, sy).
+[[gnu::always_inline]] inline void plan(const row_work& work, batch& b) {
+  const plane& p = *work.map;
+  const int32_t cx = 2 * span_side * work.sx + span_side, cy = 2 * span_side * work.sy + span_side;
+  const v8 k = _mm512_setr_epi64(0, 1, 2, 3, 4, 5, 6, 7);
+  const auto along = [&](const linear_form& f) {
+    return _mm512_add_epi64(set(p.value(f, cx, cy)), _mm512_mullo_epi64(k, set(2 * span_side * f.x)));
+  };
+  const v8 w = along(p.w), nu = along(p.u), nv = along(p.v), zero = _mm512_setzero_si512();
+  __mmask8 usable = _mm512_cmpgt_epi64_mask(w, zero);
+  const uint64_t slope = 7 * (magnitude(p.w.x) + magnitude(p.w.y));
+  usable &= _mm512_cmplt_epu64_mask(set(int64_t(slope)), _mm512_sub_epi64(_mm512_srli_epi64(w, 1), _mm512_srli_epi64(w, 8)));
+  const inverse8 iw = invert8(w);
+  const v8 w_bits = bit_length(w);
+  const v8 base_u = whole_quotient8(nu, w_bits, iw, usable), base_v = whole_quotient8(nv, w_bits, iw, usable);
+  const auto less = [&](int64_t x, v8 base, v8 by) { return _mm512_sub_epi64(set(x), _mm512_mullo_epi64(base, by)); };
+  const v8 gx = set(p.w.x), gy = set(p.w.y);
+  const v8 c_u = _mm512_sub_epi64(nu, _mm512_mullo_epi64(base_u, w)), a_u = less(p.u.x, base_u, gx), b_u = less(p.u.y, base_u, gy);
+  const v8 c_v = _mm512_sub_epi64(nv, _mm512_mullo_epi64(base_v, w)), a_v = less(p.v.x, base_v, gx), b_v = less(p.v.y, base_v, gy);
+  const auto extent_of = [&](v8 c, v8 x, v8 y) {
+    return _mm512_add_epi64(_mm512_abs_epi64(c), times7(_mm512_add_epi64(_mm512_abs_epi64(x), _mm512_abs_epi64(y))));
+  };
+  const v8 extent = _mm512_max_epu64(extent_of(c_u, a_u, b_u), extent_of(c_v, a_v, b_v));
+  const v8 extent_bits = bit_length(extent);
+  const v8 extent_log2 = _mm512_add_epi64(_mm512_sub_epi64(extent_bits, w_bits), set(1));
+  usable &= _mm512_cmple_epi64_mask(extent_log2, set(max_extent_log2));
+  const v8 exponent = _mm512_min_epi64(_mm512_sub_epi64(set(q.offset_bits - 1), extent_log2), set(max_exponent));
+  const v8 drop = _mm512_max_epi64(_mm512_sub_epi64(extent_bits, set(31)), zero);
+  const v8 whole = _mm512_add_epi64(iw.exponent, set(63)), shift = _mm512_sub_epi64(_mm512_sub_epi64(whole, drop), exponent);
+  const auto mantissa = [&](v8 n) { return quotient8(n, drop, iw.y, shift); };
+  const int slope_drop = max_of(0, spantex::bit_length(slope) - 31);
+  const v8 slope_shift = _mm512_sub_epi64(whole, set(slope_drop + q.reciprocal_bits));
+  const v8 g = quotient8(gx, set(slope_drop), iw.y, slope_shift), h = quotient8(gy, set(slope_drop), iw.y, slope_shift);
+
+  // choose_evaluation()
+  const v8 steepness = times7(_mm512_add_epi64(_mm512_abs_epi64(g), _mm512_abs_epi64(h)));
+  const v8 slope_log2 = _mm512_max_epi64(_mm512_sub_epi64(bit_length(steepness), set(q.reciprocal_bits)), set(least_slope_log2));
+  const __mmask8 steep = _mm512_cmpgt_epi64_mask(slope_log2, set(most_series_slope_log2));
+  const v8 affine_log2 = _mm512_add_epi64(_mm512_add_epi64(extent_log2, slope_log2), set(1));
+  const __mmask8 affine = _mm512_cmpeq_epi64_mask(steepness, zero) |
+                          _mm512_cmple_epi64_mask(_mm512_mask_add_epi64(affine_log2, steep, affine_log2, set(1)), set(-q.tolerance_bits));
+  const v8 resolution = _mm512_add_epi64(_mm512_sub_epi64(set(q.offset_bits - 1), exponent), slope_log2);
+  const __mmask8 series = __mmask8(~steep) & _mm512_cmple_epi64_mask(resolution, set(series_bits - 3 - q.tolerance_bits));
+  v8 terms = set(divide_terms), error_log2 = _mm512_add_epi64(affine_log2, _mm512_mullo_epi64(slope_log2, set(most_series_terms)));
+  for (int n = most_series_terms; n >= 1; --n) {
+    terms = _mm512_mask_mov_epi64(terms, series & _mm512_cmple_epi64_mask(error_log2, set(-q.tolerance_bits - 1)), set(n));
+    error_log2 = _mm512_sub_epi64(error_log2, slope_log2);
+  }
+  terms = _mm512_mask_mov_epi64(terms, affine, zero);
+
+  keep(b.c_u, mantissa(c_u)); keep(b.a_u, mantissa(a_u)); keep(b.b_u, mantissa(b_u));
+  keep(b.c_v, mantissa(c_v)); keep(b.a_v, mantissa(a_v)); keep(b.b_v, mantissa(b_v));
+  keep(b.g, g); keep(b.h, h);
+  keep(b.base_u, modulo(base_u, work.texels->period_u())); keep(b.base_v, modulo(base_v, work.texels->period_v()));
+  keep(b.exponent, exponent); keep(b.slope_log2, slope_log2); keep(b.terms, terms);
+  b.usable = usable & ((1u << work.count) - 1);
+}
+
+
+// --- a span's 64 pixels --------------------------------------------------------------------------------
+// In quads of 4x4 pixels, one register each: left and right of the top, left and right of the bottom. Lane 4 y + x.
+
+constexpr int quads = 4, quad_side = 4;
+
+// Offsets from the base texel: value 2^-bits, to be rounded by adding half and cutting.
+struct offsets { v16 u[quads], v[quads]; int bits; uint32_t half; };
+
+[[gnu::always_inline]] inline void forms(const int32_t (&c)[batch_size], const int32_t (&x)[batch_size], const int32_t (&y)[batch_size], int k, v16 (&out)[quads]) {
+  const v16 hx = _mm512_setr_epi32(-7, -5, -3, -1, -7, -5, -3, -1, -7, -5, -3, -1, -7, -5, -3, -1);
+  const v16 hy = _mm512_setr_epi32(-7, -7, -7, -7, -5, -5, -5, -5, -3, -3, -3, -3, -1, -1, -1, -1);
+  const v16 a = set32(x[k]), b = set32(y[k]), right = _mm512_slli_epi32(a, 3), below = _mm512_slli_epi32(b, 3);
+  out[0] = _mm512_add_epi32(_mm512_add_epi32(set32(c[k]), _mm512_mullo_epi32(a, hx)), _mm512_mullo_epi32(b, hy));
+  out[1] = _mm512_add_epi32(out[0], right);
+  out[2] = _mm512_add_epi32(out[0], below);
+  out[3] = _mm512_add_epi32(out[1], below);
+}
+
+[[gnu::always_inline]] inline void slopes(const batch& b, int k, v16 (&e)[quads]) {
+  static constexpr int32_t zero[batch_size] = {};
+  forms(zero, b.g, b.h, k, e);
+}
+
+template <int Terms>
+[[gnu::always_inline]] inline void divide_by_series(const batch& b, int k, const v16 (&e)[quads], offsets& o) {
+  const v16 slope_log2 = set32(b.slope_log2[k]), drop = _mm512_sub_epi32(set32(-2), slope_log2);
+#pragma GCC unroll 4
+  for (int n = 0; n < quads; ++n) {
+    const v16 r = series16<Terms>(e[n], slope_log2);
+    o.u[n] = by_series16(o.u[n], r, drop);
+    o.v[n] = by_series16(o.v[n], r, drop);
+  }
+}
+
+[[gnu::always_inline]] inline void divide(const v16 (&e)[quads], offsets& o) {
+  const v8 shift = set(o.bits - q.coordinate_bits + q.reciprocal_bits);
+#pragma GCC unroll 4
+  for (int n = 0; n < quads; ++n) {
+    const reciprocals16 r = reciprocal16(e[n]);
+    o.u[n] = by_divide16(o.u[n], r, shift);
+    o.v[n] = by_divide16(o.v[n], r, shift);
+  }
+  o.bits = q.coordinate_bits;
+  o.half = 0;
+}
+
+[[gnu::always_inline]] inline offsets offsets_of(const batch& b, int k) {
+  offsets o;
+  forms(b.c_u, b.a_u, b.b_u, k, o.u);
+  forms(b.c_v, b.a_v, b.b_v, k, o.v);
+  o.bits = b.exponent[k];
+  o.half = 1u << (o.bits - q.coordinate_bits - 1);
+  v16 e[quads];
+  slopes(b, k, e);
+  switch (b.terms[k]) {
+    case 0: break;
+    case 1: divide_by_series<1>(b, k, e, o); break;
+    case 2: divide_by_series<2>(b, k, e, o); break;
+    case 3: divide_by_series<3>(b, k, e, o); break;
+    case 4: divide_by_series<4>(b, k, e, o); break;
+    default: divide(e, o); break;
+  }
+  return o;
+}
+
+// Fewer bits, so that positions modulo 16 texels of the level fit 32 bits.
+[[gnu::always_inline]] inline void shorten(offsets& o, int level) {
+  const int drop = o.bits + level - 28;
+  if (drop <= 0) return;
+#pragma GCC unroll 4
+  for (int n = 0; n < quads; ++n) {
+    o.u[n] = _mm512_srai_epi32(o.u[n], unsigned(drop));
+    o.v[n] = _mm512_srai_epi32(o.v[n], unsigned(drop));
+  }
+  o.bits -= drop;
+  o.half >>= drop;
+}
+
+// Positions on a level: u in the lower half of each lane, v in the upper, 7 bits of fraction and 4 of texel each; what is above is anything.
+[[gnu::always_inline]] inline v16 snapped16(const offsets& o, int n, uint32_t from_u, uint32_t from_v, int level) {
+  const int drop = o.bits + level - q.subtexel_bits;
+  const v16 u = _mm512_srlv_epi32(_mm512_add_epi32(o.u[n], set32(int32_t(from_u))), set32(drop));
+  const v16 v = _mm512_rorv_epi32(_mm512_add_epi32(o.v[n], set32(int32_t(from_v))), set32(drop - 16));
+  return _mm512_ternarylogic_epi32(u, v, upper(), 0xD8);  // bits of v where upper
+}
+
+// What is added to an offset before it is cut to a position on a level.
+constexpr uint32_t start(const offsets& o, int32_t base, int level, bool blends) {
+  const uint32_t texels = uint32_t(base) << o.bits, to_nearest = 1u << (o.bits + level - q.subtexel_bits - 1), half_texel = 1u << (o.bits + level - 1);
+  return texels + o.half + (blends ? to_nearest - half_texel : 0);
+}
+
+// --- sections ------------------------------------------------------------------------------------------
+
+struct extremes { __m128i least, most; };
+[[gnu::always_inline]] inline extremes extremes_of(const v16 (&x)[quads]) {  // positions of a quad lie between those of its corners, rounding apart
+  const v16 corners = _mm512_setr_epi32(0, 16, 0, 16, 3, 19, 3, 19, 12, 28, 12, 28, 15, 31, 15, 31);
+  const v16 all = _mm512_unpacklo_epi64(_mm512_permutex2var_epi32(x[0], corners, x[1]), _mm512_permutex2var_epi32(x[2], corners, x[3]));
+  const __m256i a = _mm512_castsi512_si256(all), c = _mm512_extracti64x4_epi64(all, 1), least = _mm256_min_epi32(a, c), most = _mm256_max_epi32(a, c);
+  return {_mm_min_epi32(_mm256_castsi256_si128(least), _mm256_extracti128_si256(least, 1)),
+          _mm_max_epi32(_mm256_castsi256_si128(most), _mm256_extracti128_si256(most, 1))};
+}
+
+// In s15.16 of level 0: least u, most u, least v, most v of the four quads, widened by twice the tolerance.
+[[gnu::always_inline]] inline v16 reach_of(const offsets& o, int32_t base_u, int32_t base_v) {
+  const extremes u = extremes_of(o.u), v = extremes_of(o.v);
+  const v16 all = _mm512_inserti64x4(_mm512_castsi256_si512(_mm256_set_m128i(u.most, u.least)), _mm256_set_m128i(v.most, v.least), 1);
+  const int32_t slack = 1 << (17 - q.tolerance_bits);
+  const __m256i from = _mm256_setr_epi32(-slack, -slack, -slack, -slack, slack, slack, slack, slack);
+  const v16 start = _mm512_inserti64x4(_mm512_castsi256_si512(_mm256_add_epi32(from, _mm256_set1_epi32(base_u << 16))),
+                                       _mm256_add_epi32(from, _mm256_set1_epi32(base_v << 16)), 1);
+  const v16 to16 = o.bits >= 16 ? _mm512_sra_epi32(all, _mm_cvtsi32_si128(o.bits - 16)) : _mm512_sll_epi32(all, _mm_cvtsi32_si128(16 - o.bits));
+  return _mm512_add_epi32(to16, start);
+}
+
+// Where the sections of the four quads lie: bytes from the level's first block to that of each register, [row parity][column]. Narrow: every
+// section is at most 8 texels across, and the columns of two blocks merge in one register: those below `column` come from the second one.
+// Wide: 16 across, the columns are those of even and odd blocks.
+struct alignas(64) quad_sections {
+  int32_t at[2][2][quads];  // [column][row parity]
+  int32_t column[quads];
+  const uint8_t* origin;
+  bool fit, wide;           // not fit: too large for registers, or where the map has no blocks
+};
+
+[[gnu::always_inline]] inline __m128i lanes4(int32_t x) { return _mm_set1_epi32(x); }
+
+[[gnu::always_inline]] inline quad_sections sections_on(const planar_map& map, const planar_level& texels, v16 reach, int level) {
+  const v16 neighbour = _mm512_setr_epi32(0, 0, 0, 0, 1, 1, 1, 1, 0, 0, 0, 0, 1, 1, 1, 1);
+  const v16 range = _mm512_add_epi32(_mm512_sra_epi32(_mm512_sub_epi32(reach, set32(1 << (15 + level))), _mm_cvtsi32_si128(16 + level)), neighbour);
+  const v16 blocks = _mm512_srai_epi32(range, 3);
+  const __m256i u = _mm512_castsi512_si256(range), bu = _mm512_castsi512_si256(blocks), bv = _mm512_extracti64x4_epi64(blocks, 1);
+  const __m128i first = _mm256_castsi256_si128(u), width = _mm_sub_epi32(_mm256_extracti128_si256(u, 1), first);
+  const __m256i last_column = _mm256_set1_epi32(texels.last_column), last_row = _mm256_set1_epi32(texels.last_row), least = _mm256_set1_epi32(-apron);
+  const __m256i x = _mm256_max_epi32(_mm256_min_epi32(bu, last_column), least), y = _mm256_max_epi32(_mm256_min_epi32(bv, last_row), least);
+  const __m128i x0 = _mm256_castsi256_si128(bu), x1 = _mm256_extracti128_si256(bu, 1), y0 = _mm256_castsi256_si128(bv), y1 = _mm256_extracti128_si256(bv, 1);
+  quad_sections s;
+  s.wide = _mm_cmpgt_epi32_mask(width, lanes4(7)) != 0;
+  unsigned misfits = _mm_cmpgt_epi32_mask(_mm_sub_epi32(y1, y0), lanes4(1));
+  if (s.wide) misfits |= _mm_cmpgt_epi32_mask(_mm_sub_epi32(x1, x0), lanes4(1));
+  if (map.period_u() != 0) misfits |= _mm256_cmpneq_epi32_mask(x, bu);
+  if (map.period_v() != 0) misfits |= _mm256_cmpneq_epi32_mask(y, bv);
+  s.fit = misfits == 0;
+  const __m256i columns = _mm256_slli_epi32(x, 8), rows = _mm256_mullo_epi32(y, _mm256_set1_epi32(texels.stride));
+  const auto swapped = [&](__m256i pair, __m128i parity_of) {  // by the parity of the first: even, odd
+    const __m128i a = _mm256_castsi256_si128(pair), b = _mm256_extracti128_si256(pair, 1);
+    const __mmask8 odd = _mm_test_epi32_mask(parity_of, lanes4(1));
+    return _mm256_set_m128i(_mm_mask_mov_epi32(b, odd, a), _mm_mask_mov_epi32(a, odd, b));
+  };
+  const __m256i c = s.wide ? swapped(columns, x0) : columns, r = swapped(rows, y0);
+  const __m256i near = _mm256_broadcastsi128_si256(_mm256_castsi256_si128(c)), far = _mm256_broadcastsi128_si256(_mm256_extracti128_si256(c, 1));
+  _mm256_store_si256(reinterpret_cast<__m256i*>(s.at[0]), _mm256_add_epi32(near, r));
+  _mm256_store_si256(reinterpret_cast<__m256i*>(s.at[1]), _mm256_add_epi32(far, r));
+  _mm_store_si128(reinterpret_cast<__m128i*>(s.column), _mm_and_si128(first, lanes4(7)));
+  s.origin = texels.origin;
+  return s;
+}
+
+// One quad's registers.
+struct quad_section {
+  const uint8_t* near[2];
+  const uint8_t* far[2];
+  __mmask64 merged;  // columns from far
+};
+
+constexpr uint64_t columns_below[block_side] = {0, 0x0101010101010101, 0x0303030303030303, 0x0707070707070707, 0x0F0F0F0F0F0F0F0F, 0x1F1F1F1F1F1F1F1F,
+                                                0x3F3F3F3F3F3F3F3F, 0x7F7F7F7F7F7F7F7F};
+
+[[gnu::always_inline]] inline quad_section section_of(const quad_sections& s, int n) {
+  const auto at = [&](int column, int row) {
+    const uint8_t* p = s.origin + s.at[column][row][n];
+    asm("" : "+r"(p));  // one pointer a register, channels as displacements: left alone, compilers compute and spill sixteen addresses
+    return p;
+  };
+  return {{at(0, 0), at(0, 1)}, {at(1, 0), at(1, 1)}, columns_below[s.column[n]]};
+}
+
+// --- filters -------------------------------------------------------------------------------------------
+
+// Addresses and weights of sixteen pixels on one level, four bytes a pixel: texels (0,0) (1,0) (0,1) (1,1).
+struct samples {
+  v16 index;           // row of 16, column of 8: what a byte permute of two registers takes
+  __mmask64 right;     // in the second column of blocks
+  v16 u, v;            // weights: 128 - f, f of 128 in bytes; 512 - 4 f, 4 f of 512 in words
+};
+
+[[gnu::always_inline]] inline v16 fields(int64_t offsets_of_a_pixel) {  // for multishift: the same of both pixels of a 64-bit lane
+  return set(offsets_of_a_pixel | ((offsets_of_a_pixel + 0x20202020) << 32));
+}
+
+[[gnu::always_inline]] inline samples samples16(v16 at) {
+  samples s;
+  const v16 x = _mm512_add_epi8(_mm512_multishift_epi64_epi8(fields(0x07070707), at), set32(0x01000100));
+  const v16 y = _mm512_add_epi8(_mm512_multishift_epi64_epi8(fields(0x14141414), at), set32(0x08080000));  // times 8, three bits of fraction below
+  s.index = _mm512_ternarylogic_epi32(y, x, set32(0x07070707), 0xD8);
+  s.right = _mm512_test_epi8_mask(x, set32(0x08080808));
+  const v16 fu = _mm512_and_si512(at, set32(0x7F)), fu4 = _mm512_shuffle_epi8(fu, _mm512_broadcast_i32x4(_mm_setr_epi8(0, 0, 0, 0, 4, 4, 4, 4, 8, 8, 8, 8, 12, 12, 12, 12)));
+  s.u = _mm512_mask_sub_epi8(fu4, 0x5555555555555555, set32(int32_t(0x80808080)), fu4);
+  const v16 fv = _mm512_and_si512(_mm512_multishift_epi64_epi8(fields(0x160E160E), at), set32(0x01FC01FC));
+  s.v = _mm512_mask_sub_epi16(fv, 0x55555555, set32(0x02000200), fv);
+  return s;
+}
+
+// One channel's texels, four a pixel.
+template <bool Wide>
+[[gnu::always_inline]] inline v16 fetch16(const quad_section& at, int channel, const samples& s) {
+  const int c = channel * block_channel_bytes;
+  if constexpr (Wide) {
+    const v16 left = _mm512_permutex2var_epi8(_mm512_load_si512(at.near[0] + c), s.index, _mm512_load_si512(at.near[1] + c));
+    const v16 right = _mm512_permutex2var_epi8(_mm512_load_si512(at.far[0] + c), s.index, _mm512_load_si512(at.far[1] + c));
+    return _mm512_mask_mov_epi8(left, s.right, right);
+  } else {
+    const v16 top = _mm512_mask_loadu_epi8(_mm512_load_si512(at.near[0] + c), at.merged, at.far[0] + c);
+    const v16 bottom = _mm512_mask_loadu_epi8(_mm512_load_si512(at.near[1] + c), at.merged, at.far[1] + c);
+    return _mm512_permutex2var_epi8(top, s.index, bottom);
+  }
+}
+
+// Interpolated on a level, 16 bits of fraction: texels are signed, so 128 is added back with what rounds.
+template <bool Wide>
+[[gnu::always_inline]] inline v16 blended16(const quad_section& at, int channel, const samples& s, int32_t rounding) {
+  return _mm512_dpwssd_epi32(set32((128 << 16) + rounding), _mm512_maddubs_epi16(s.u, fetch16<Wide>(at, channel, s)), s.v);
+}
+
+// x + 2^15 - 1 becomes x rounded to 16 bits less, halves to even; in bits 16 to 23.
+[[gnu::always_inline]] inline v16 even16(v16 x) { return _mm512_dpwssd_epi32(x, _mm512_and_si512(x, set32(0x10000)), set32(0x10000)); }
+constexpr int32_t before_even = 0x7FFF;
+
+// Four channels' bits 16 to 23 as pixels.
+[[gnu::always_inline]] inline v16 packed16(v16 r, v16 g, v16 b, v16 a) {
+  const v16 low = _mm512_ternarylogic_epi32(_mm512_srli_epi32(r, 16), _mm512_srli_epi32(g, 8), set32(0xFF00), 0xD8);
+  const v16 high = _mm512_ternarylogic_epi32(b, _mm512_slli_epi32(a, 8), set32(int32_t(0xFF000000)), 0xD8);
+  return _mm512_ternarylogic_epi32(low, high, upper(), 0xD8);
+}
+
+template <bool Wide>
+[[gnu::always_inline]] inline v16 bilinear16(const quad_section& at, const samples& s) {
+  v16 c[channel_count];
+#pragma GCC unroll 4
+  for (int k = 0; k < channel_count; ++k) c[k] = even16(blended16<Wide>(at, k, s, before_even));
+  return packed16(c[0], c[1], c[2], c[3]);
+}
+
+// Weights of two levels from a fraction of 8 bits: 512 - 2 f, 2 f of 512.
+[[gnu::always_inline]] inline v16 level_weights16(v16 fraction) {
+  const v16 twice = _mm512_slli_epi32(fraction, 1);
+  return _mm512_or_si512(_mm512_slli_epi32(twice, 16), _mm512_sub_epi32(set32(512), twice));
+}
+
+template <bool Wide>
+[[gnu::always_inline]] inline v16 trilinear16(const quad_section& fine, const samples& s, const quad_section& coarse, const samples& t, v16 weights) {
+  v16 c[channel_count];
+#pragma GCC unroll 4
+  for (int k = 0; k < channel_count; ++k) {
+    const v16 near = _mm512_srli_epi32(blended16<Wide>(fine, k, s, 1 << 8), 9), far = _mm512_slli_epi32(blended16<false>(coarse, k, t, 1 << 8), 7);
+    c[k] = even16(_mm512_dpwssd_epi32(set32(before_even), _mm512_ternarylogic_epi32(near, far, upper(), 0xD8), weights));
+  }
+  return packed16(c[0], c[1], c[2], c[3]);
+}
+
+// --- write-out -----------------------------------------------------------------------------------------
+
+[[gnu::always_inline]] inline void write(const row_work& work, int k, const v16 (&quad)[quads]) {
+  const span_mask mask = work.masks[k];
+  rgba8* row = work.pixels + int64_t(work.sy) * span_side * work.stride + (work.sx + k) * span_side;
+  const v8 rows01 = _mm512_setr_epi64(0, 1, 8, 9, 2, 3, 10, 11), rows23 = _mm512_setr_epi64(4, 5, 12, 13, 6, 7, 14, 15);
+  const v16 lines[quads] = {_mm512_permutex2var_epi64(quad[0], rows01, quad[1]), _mm512_permutex2var_epi64(quad[0], rows23, quad[1]),
+                            _mm512_permutex2var_epi64(quad[2], rows01, quad[3]), _mm512_permutex2var_epi64(quad[2], rows23, quad[3])};
+  if (mask == ~span_mask(0)) {
+#pragma GCC unroll 4
+    for (int n = 0; n < quads; ++n) {
+      _mm256_storeu_si256(reinterpret_cast<__m256i*>(row), _mm512_castsi512_si256(lines[n]));
+      _mm256_storeu_si256(reinterpret_cast<__m256i*>(row + work.stride), _mm512_extracti64x4_epi64(lines[n], 1));
+      row += 2 * int64_t(work.stride);
+    }
+    return;
+  }
+  for (int n = 0; n < quads; ++n) {
+    _mm256_mask_storeu_epi32(row, __mmask8(mask >> (2 * n * span_side)), _mm512_castsi512_si256(lines[n]));
+    _mm256_mask_storeu_epi32(row + work.stride, __mmask8(mask >> ((2 * n + 1) * span_side)), _mm512_extracti64x4_epi64(lines[n], 1));
+    row += 2 * int64_t(work.stride);
+  }
+}
+
+// --- spans ---------------------------------------------------------------------------------------------
+
+template <bool Wide>
+[[gnu::always_inline]] inline void bilinear_span(const offsets& o, const quad_sections& at, uint32_t u, uint32_t v, v16 (&out)[quads]) {
+#pragma GCC unroll 4
+  for (int n = 0; n < quads; ++n) out[n] = bilinear16<Wide>(section_of(at, n), samples16(snapped16(o, n, u, v, 0)));
+}
+
+[[gnu::always_inline]] inline bool draw_bilinear(const row_work& work, const batch& b, int k) {
+  offsets o = offsets_of(b, k);
+  const quad_sections at = sections_on(*work.texels, work.texels->level(0), reach_of(o, b.base_u[k], b.base_v[k]), 0);
+  if (!at.fit) return false;
+  shorten(o, 0);
+  const uint32_t u = start(o, b.base_u[k], 0, true), v = start(o, b.base_v[k], 0, true);
+  v16 out[quads];
+  if (at.wide) bilinear_span<true>(o, at, u, v, out);
+  else bilinear_span<false>(o, at, u, v, out);
+  write(work, k, out);
+  return true;
+}
+
+row_result draw_row(const row_work& work) {
+  batch b;
+  plan(work, b);
+  row_result result;
+  result.divides = 0;
+  for (int k = 0; k < work.count; ++k) {
+    if (work.masks[k] == 0) continue;
+    if (!(b.usable >> k & 1) || !draw_bilinear(work, b, k)) { result.left |= 1u << k; continue; }
+    result.divides += 1 + (b.terms[k] == divide_terms ? uint32_t(__builtin_popcountll(work.masks[k])) : 0);
+  }
+  return result;
+}
+
+}  // namespace
+}  // namespace spantex::kernels
+
+#if defined(__clang__)
+#pragma clang attribute pop
+#else
+#pragma GCC pop_options
+#endif
+
+namespace spantex::kernels {
+
+row_kernel avx512_kernel() {
+  const bool has = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512cd") &&
+                   __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512vbmi") &&
+                   __builtin_cpu_supports("avx512vnni");
+  return has ? draw_row : nullptr;
+}
+
+}  // namespace spantex::kernels
+
+#else
+namespace spantex::kernels {
+row_kernel avx512_kernel() { return nullptr; }
+}  // namespace spantex::kernels
+#endif

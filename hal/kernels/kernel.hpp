@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+// Host kernels: whole rows of spans of a plane at once, profile default, the same bytes as the scalar datapath (docs/SPEC.md). A kernel draws the
+// spans it is made for and says which it left; hal/host_renderer.hpp draws those through the scalar engine.
+#pragma once
+#include <stdint.h>
+
+#include <spantex/draw.hpp>
+#include <spantex/plane.hpp>
+#include "planar_map.hpp"
+
+namespace spantex::kernels {
+
+struct row_work {
+  const plane* map;
+  const planar_map* texels;
+  filter kind;
+  int32_t last_level;      // of the map
+  int32_t sx, sy;          // the first span
+  int count;               // 1 to 8 spans side by side
+  const span_mask* masks;  // count of them; zero: nothing to draw
+  rgba8* pixels;           // of the frame: pixel (0, 0)
+  int32_t stride;
+};
+
+struct row_result {
+  uint32_t left = 0;       // bit k: span k was not drawn
+  uint32_t divides = 0;    // reciprocals
+};
+
+using row_kernel = row_result (*)(const row_work&);
+
+// Null where this machine has not what it takes.
+row_kernel avx512_kernel();
+
+}  // namespace spantex::kernels
