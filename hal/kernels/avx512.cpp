@@ -43,7 +43,10 @@ struct alignas(64) batch {
   int32_t base_u[batch_size], base_v[batch_size];       // modulo the map's period
   int32_t exponent[batch_size], slope_log2[batch_size];
   int32_t terms[batch_size];                             // 0: affine, 1..4: series, 5: divide
+  // Level 0: where the sections of the four quads lie (quad_sections), of spans that are flat enough to tell without their pixels.
+  int32_t at[2][2][4][batch_size], column[4][batch_size];
   uint32_t usable;                                       // bit k: span k is in here
+  uint32_t placed, wide;                                 // bit k: its sections are known; one of them is more than 8 texels across
 };
 constexpr int divide_terms = 5;
 
@@ -152,6 +155,54 @@ struct reciprocals16 { v8 even, odd; };
   return _mm512_sub_epi64(shifted, _mm512_mullo_epi64(times, set(period)));
 }
 
+[[gnu::always_inline]] inline v16 pair_of(const int32_t (&u)[batch_size], const int32_t (&v)[batch_size]) {
+  return _mm512_inserti64x4(_mm512_castsi256_si512(got(u)), got(v), 1);
+}
+
+// Sections of level 0 for a filter of 2x2 texels, from the parallelogram that a quad would be if nothing were divided: 1/w moves a position by less
+// than 2^(extent + slope + 1/2), here at most half a texel. u in the lower eight lanes, v in the upper.
+[[gnu::always_inline]] inline void place(const row_work& work, __mmask8 flat, batch& b) {
+  const planar_map& map = *work.texels;
+  const planar_level& texels = map.level(0);
+  const v16 a = pair_of(b.a_u, b.a_v), d = pair_of(b.b_u, b.b_v), x = _mm512_broadcast_i64x4(got(b.exponent));
+  const v16 reach_of_quad = _mm512_add_epi32(_mm512_abs_epi32(a), _mm512_abs_epi32(d));
+  const v16 margin = _mm512_sllv_epi32(set32(1), _mm512_sub_epi32(x, set32(1)));  // half a texel: 1/w and every rounding
+  const v16 spread = _mm512_add_epi32(_mm512_add_epi32(reach_of_quad, _mm512_slli_epi32(reach_of_quad, 1)), margin);
+  const v16 right = _mm512_slli_epi32(a, 2), below = _mm512_slli_epi32(d, 2), middle = pair_of(b.c_u, b.c_v);
+  const v16 to16 = _mm512_sub_epi32(x, set32(16)), base = _mm512_slli_epi32(pair_of(b.base_u, b.base_v), 16);
+  const v16 from = _mm512_sub_epi32(base, set32(1 << 15));
+  const v16 last = _mm512_inserti64x4(_mm512_castsi256_si512(_mm256_set1_epi32(texels.last_column)), _mm256_set1_epi32(texels.last_row), 1);
+  const __mmask16 strict = __mmask16((map.period_u() != 0 ? 0xFF : 0) | (map.period_v() != 0 ? 0xFF00 : 0));
+  __mmask16 fit = 0xFFFF, wide = 0;
+#pragma GCC unroll 4
+  for (int n = 0; n < 4; ++n) {
+    const v16 across = n & 1 ? _mm512_add_epi32(middle, right) : _mm512_sub_epi32(middle, right);
+    const v16 centre = n & 2 ? _mm512_add_epi32(across, below) : _mm512_sub_epi32(across, below);
+    const auto texel = [&](v16 position) { return _mm512_srai_epi32(_mm512_add_epi32(from, _mm512_srav_epi32(position, to16)), 16); };
+    const v16 first = texel(_mm512_sub_epi32(centre, spread)), end = _mm512_add_epi32(texel(_mm512_add_epi32(centre, spread)), set32(1));
+    const v16 block0 = _mm512_srai_epi32(first, 3), block1 = _mm512_srai_epi32(end, 3);
+    const __mmask16 large = _mm512_cmpgt_epi32_mask(_mm512_sub_epi32(end, first), set32(7)) & 0xFF;
+    fit &= _mm512_cmple_epi32_mask(_mm512_sub_epi32(block1, block0), set32(1)) | __mmask16(0xFF & ~large);
+    wide |= large;
+    const auto held = [&](v16 k) { return _mm512_max_epi32(_mm512_min_epi32(k, last), set32(-apron)); };
+    const v16 k0 = held(block0), k1 = held(block1);
+    fit &= ~(strict & (_mm512_cmpneq_epi32_mask(k0, block0) | _mm512_cmpneq_epi32_mask(k1, block1)));
+    const __mmask16 swap = _mm512_test_epi32_mask(block0, set32(1)) & (0xFF00 | large);
+    const v16 bytes = _mm512_inserti64x4(_mm512_castsi256_si512(_mm256_set1_epi32(block_bytes)), _mm256_set1_epi32(texels.stride), 1);
+    const v16 even = _mm512_mullo_epi32(_mm512_mask_mov_epi32(k0, swap, k1), bytes), odd = _mm512_mullo_epi32(_mm512_mask_mov_epi32(k1, swap, k0), bytes);
+    const auto store = [](int32_t (&to)[batch_size], __m256i y) { _mm256_store_si256(reinterpret_cast<__m256i*>(to), y); };
+    const __m256i x0 = _mm512_castsi512_si256(even), x1 = _mm512_castsi512_si256(odd);
+    const __m256i y0 = _mm512_extracti64x4_epi64(even, 1), y1 = _mm512_extracti64x4_epi64(odd, 1);
+    store(b.at[0][0][n], _mm256_add_epi32(x0, y0));
+    store(b.at[0][1][n], _mm256_add_epi32(x0, y1));
+    store(b.at[1][0][n], _mm256_add_epi32(x1, y0));
+    store(b.at[1][1][n], _mm256_add_epi32(x1, y1));
+    store(b.column[n], _mm256_and_si256(_mm512_castsi512_si256(first), _mm256_set1_epi32(7)));
+  }
+  b.placed = flat & fit & (fit >> 8);
+  b.wide = wide;
+}
+
 // reference_at() and coordinates_within() of eight spans from (sx, sy).
 [[gnu::always_inline]] inline void plan(const row_work& work, batch& b) {
   const plane& p = *work.map;
@@ -208,6 +259,8 @@ struct reciprocals16 { v8 even, odd; };
   keep(b.base_u, modulo(base_u, work.texels->period_u())); keep(b.base_v, modulo(base_v, work.texels->period_v()));
   keep(b.exponent, exponent); keep(b.slope_log2, slope_log2); keep(b.terms, terms);
   b.usable = usable & ((1u << work.count) - 1);
+  const __mmask8 flat = _mm512_cmple_epi64_mask(_mm512_add_epi64(extent_log2, slope_log2), set(-3));
+  place(work, flat, b);
 }
 
 
@@ -497,21 +550,36 @@ template <bool Wide>
 
 // --- spans ---------------------------------------------------------------------------------------------
 
-template <bool Wide>
-[[gnu::always_inline]] inline void bilinear_span(const offsets& o, const quad_sections& at, uint32_t u, uint32_t v, v16 (&out)[quads]) {
-#pragma GCC unroll 4
-  for (int n = 0; n < quads; ++n) out[n] = bilinear16<Wide>(section_of(at, n), samples16(snapped16(o, n, u, v, 0)));
+// One quad's section as place() left it.
+[[gnu::always_inline]] inline quad_section section_of(const batch& b, const uint8_t* origin, int k, int n) {
+  const auto at = [&](int column, int row) {
+    const uint8_t* p = origin + b.at[column][row][n][k];
+    asm("" : "+r"(p));
+    return p;
+  };
+  return {{at(0, 0), at(0, 1)}, {at(1, 0), at(1, 1)}, columns_below[b.column[n][k]]};
 }
 
 [[gnu::always_inline]] inline bool draw_bilinear(const row_work& work, const batch& b, int k) {
   offsets o = offsets_of(b, k);
-  const quad_sections at = sections_on(*work.texels, work.texels->level(0), reach_of(o, b.base_u[k], b.base_v[k]), 0);
-  if (!at.fit) return false;
-  shorten(o, 0);
-  const uint32_t u = start(o, b.base_u[k], 0, true), v = start(o, b.base_v[k], 0, true);
+  const planar_level& texels = work.texels->level(0);
+  const uint32_t bit = 1u << k;
   v16 out[quads];
-  if (at.wide) bilinear_span<true>(o, at, u, v, out);
-  else bilinear_span<false>(o, at, u, v, out);
+  if (b.placed & ~b.wide & bit) {
+    shorten(o, 0);
+    const uint32_t u = start(o, b.base_u[k], 0, true), v = start(o, b.base_v[k], 0, true);
+#pragma GCC unroll 4
+    for (int n = 0; n < quads; ++n) out[n] = bilinear16<false>(section_of(b, texels.origin, k, n), samples16(snapped16(o, n, u, v, 0)));
+  } else {
+    const quad_sections at = sections_on(*work.texels, texels, reach_of(o, b.base_u[k], b.base_v[k]), 0);
+    if (!at.fit) return false;
+    shorten(o, 0);
+    const uint32_t u = start(o, b.base_u[k], 0, true), v = start(o, b.base_v[k], 0, true);
+    for (int n = 0; n < quads; ++n) {
+      const samples s = samples16(snapped16(o, n, u, v, 0));
+      out[n] = at.wide ? bilinear16<true>(section_of(at, n), s) : bilinear16<false>(section_of(at, n), s);
+    }
+  }
   write(work, k, out);
   return true;
 }
