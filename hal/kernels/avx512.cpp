@@ -11,6 +11,7 @@
 #include <immintrin.h>
 
 #include <spantex/coordinates.hpp>
+#include <spantex/level.hpp>
 #include <spantex/reciprocal.hpp>
 
 // What the headers define stays compiled for any machine.
@@ -45,7 +46,10 @@ struct alignas(64) batch {
   int32_t terms[batch_size];                             // 0: affine, 1..4: series, 5: divide
   // Level 0: where the sections of the four quads lie (quad_sections), of spans that are flat enough to tell without their pixels.
   int32_t at[2][2][4][batch_size], column[4][batch_size];
+  int32_t low[4][2][batch_size], high[4][2][batch_size];  // of each quad, u and v: every position, s15.16
+  int64_t u_x[batch_size], v_x[batch_size], u_y[batch_size], v_y[batch_size], twist_u[batch_size], twist_v[batch_size];  // level.hpp: span_levels()
   uint32_t usable;                                       // bit k: span k is in here
+  uint32_t flat;                                         // bit k: low and high are known
   uint32_t placed, wide;                                 // bit k: its sections are known; one of them is more than 8 texels across
 };
 constexpr int divide_terms = 5;
@@ -91,7 +95,7 @@ struct inverse8 { v8 y, exponent; };
   const v8 shift = _mm512_sub_epi64(_mm512_add_epi64(iw.exponent, set(63)), drop);
   const v8 r = quotient8(n, drop, iw.y, shift);
   usable &= _mm512_cmple_epi64_mask(bits, _mm512_add_epi64(w_bits, set(15)));
-  usable &= _mm512_cmple_epi64_mask(_mm512_abs_epi64(r), set(32767));
+  usable &= _mm512_cmple_epi64_mask(_mm512_abs_epi64(r), set(32767 - 4098));  // no position saturates
   return r;
 }
 
@@ -170,7 +174,6 @@ struct reciprocals16 { v8 even, odd; };
   const v16 spread = _mm512_add_epi32(_mm512_add_epi32(reach_of_quad, _mm512_slli_epi32(reach_of_quad, 1)), margin);
   const v16 right = _mm512_slli_epi32(a, 2), below = _mm512_slli_epi32(d, 2), middle = pair_of(b.c_u, b.c_v);
   const v16 to16 = _mm512_sub_epi32(x, set32(16)), base = _mm512_slli_epi32(pair_of(b.base_u, b.base_v), 16);
-  const v16 from = _mm512_sub_epi32(base, set32(1 << 15));
   const v16 last = _mm512_inserti64x4(_mm512_castsi256_si512(_mm256_set1_epi32(texels.last_column)), _mm256_set1_epi32(texels.last_row), 1);
   const __mmask16 strict = __mmask16((map.period_u() != 0 ? 0xFF : 0) | (map.period_v() != 0 ? 0xFF00 : 0));
   __mmask16 fit = 0xFFFF, wide = 0;
@@ -178,8 +181,12 @@ struct reciprocals16 { v8 even, odd; };
   for (int n = 0; n < 4; ++n) {
     const v16 across = n & 1 ? _mm512_add_epi32(middle, right) : _mm512_sub_epi32(middle, right);
     const v16 centre = n & 2 ? _mm512_add_epi32(across, below) : _mm512_sub_epi32(across, below);
-    const auto texel = [&](v16 position) { return _mm512_srai_epi32(_mm512_add_epi32(from, _mm512_srav_epi32(position, to16)), 16); };
-    const v16 first = texel(_mm512_sub_epi32(centre, spread)), end = _mm512_add_epi32(texel(_mm512_add_epi32(centre, spread)), set32(1));
+    const v16 low = _mm512_add_epi32(base, _mm512_srav_epi32(_mm512_sub_epi32(centre, spread), to16));
+    const v16 high = _mm512_add_epi32(base, _mm512_srav_epi32(_mm512_add_epi32(centre, spread), to16));
+    _mm512_store_si512(b.low[n], low);
+    _mm512_store_si512(b.high[n], high);
+    const auto texel = [&](v16 position) { return _mm512_srai_epi32(_mm512_sub_epi32(position, set32(1 << 15)), 16); };
+    const v16 first = texel(low), end = _mm512_add_epi32(texel(high), set32(1));
     const v16 block0 = _mm512_srai_epi32(first, 3), block1 = _mm512_srai_epi32(end, 3);
     const __mmask16 large = _mm512_cmpgt_epi32_mask(_mm512_sub_epi32(end, first), set32(7)) & 0xFF;
     fit &= _mm512_cmple_epi32_mask(_mm512_sub_epi32(block1, block0), set32(1)) | __mmask16(0xFF & ~large);
@@ -199,6 +206,7 @@ struct reciprocals16 { v8 even, odd; };
     store(b.at[1][1][n], _mm256_add_epi32(x1, y1));
     store(b.column[n], _mm256_and_si256(_mm512_castsi512_si256(first), _mm256_set1_epi32(7)));
   }
+  b.flat = flat;
   b.placed = flat & fit & (fit >> 8);
   b.wide = wide;
 }
@@ -260,7 +268,21 @@ struct reciprocals16 { v8 even, odd; };
   keep(b.exponent, exponent); keep(b.slope_log2, slope_log2); keep(b.terms, terms);
   b.usable = usable & ((1u << work.count) - 1);
   const __mmask8 flat = _mm512_cmple_epi64_mask(_mm512_add_epi64(extent_log2, slope_log2), set(-3));
-  place(work, flat, b);
+  if (work.kind != filter::nearest) place(work, flat, b);
+  if (!uses_levels(work.kind)) return;
+  const v8 g64 = g, h64 = h;
+  const auto product = [&](v8 x, v8 s) {  // times_slope()
+    const v8 p30 = _mm512_mul_epi32(x, s), m = _mm512_srli_epi64(_mm512_add_epi64(_mm512_abs_epi64(p30), set(1 << 29)), 30);
+    return _mm512_mask_sub_epi64(m, _mm512_movepi64_mask(p30), zero, m);
+  };
+  const auto wide = [&](const int32_t (&x)[batch_size]) { return _mm512_cvtepi32_epi64(got(x)); };
+  const v8 cu = wide(b.c_u), cv = wide(b.c_v), au = wide(b.a_u), av = wide(b.a_v), bu = wide(b.b_u), bv = wide(b.b_v);
+  _mm512_store_si512(b.u_x, _mm512_sub_epi64(au, product(cu, g64)));
+  _mm512_store_si512(b.v_x, _mm512_sub_epi64(av, product(cv, g64)));
+  _mm512_store_si512(b.u_y, _mm512_sub_epi64(bu, product(cu, h64)));
+  _mm512_store_si512(b.v_y, _mm512_sub_epi64(bv, product(cv, h64)));
+  _mm512_store_si512(b.twist_u, _mm512_sub_epi64(product(au, h64), product(bu, g64)));
+  _mm512_store_si512(b.twist_v, _mm512_sub_epi64(product(av, h64), product(bv, g64)));
 }
 
 
@@ -270,7 +292,7 @@ struct reciprocals16 { v8 even, odd; };
 constexpr int quads = 4, quad_side = 4;
 
 // Offsets from the base texel: value 2^-bits, to be rounded by adding half and cutting.
-struct offsets { v16 u[quads], v[quads]; int bits; uint32_t half; };
+struct offsets { v16 u[quads], v[quads], e[quads]; int bits; uint32_t half; };
 
 [[gnu::always_inline]] inline void forms(const int32_t (&c)[batch_size], const int32_t (&x)[batch_size], const int32_t (&y)[batch_size], int k, v16 (&out)[quads]) {
   const v16 hx = _mm512_setr_epi32(-7, -5, -3, -1, -7, -5, -3, -1, -7, -5, -3, -1, -7, -5, -3, -1);
@@ -288,21 +310,21 @@ struct offsets { v16 u[quads], v[quads]; int bits; uint32_t half; };
 }
 
 template <int Terms>
-[[gnu::always_inline]] inline void divide_by_series(const batch& b, int k, const v16 (&e)[quads], offsets& o) {
+[[gnu::always_inline]] inline void divide_by_series(const batch& b, int k, offsets& o) {
   const v16 slope_log2 = set32(b.slope_log2[k]), drop = _mm512_sub_epi32(set32(-2), slope_log2);
 #pragma GCC unroll 4
   for (int n = 0; n < quads; ++n) {
-    const v16 r = series16<Terms>(e[n], slope_log2);
+    const v16 r = series16<Terms>(o.e[n], slope_log2);
     o.u[n] = by_series16(o.u[n], r, drop);
     o.v[n] = by_series16(o.v[n], r, drop);
   }
 }
 
-[[gnu::always_inline]] inline void divide(const v16 (&e)[quads], offsets& o) {
+[[gnu::always_inline]] inline void divide(offsets& o) {
   const v8 shift = set(o.bits - q.coordinate_bits + q.reciprocal_bits);
 #pragma GCC unroll 4
   for (int n = 0; n < quads; ++n) {
-    const reciprocals16 r = reciprocal16(e[n]);
+    const reciprocals16 r = reciprocal16(o.e[n]);
     o.u[n] = by_divide16(o.u[n], r, shift);
     o.v[n] = by_divide16(o.v[n], r, shift);
   }
@@ -316,44 +338,29 @@ template <int Terms>
   forms(b.c_v, b.a_v, b.b_v, k, o.v);
   o.bits = b.exponent[k];
   o.half = 1u << (o.bits - q.coordinate_bits - 1);
-  v16 e[quads];
-  slopes(b, k, e);
+  slopes(b, k, o.e);
   switch (b.terms[k]) {
     case 0: break;
-    case 1: divide_by_series<1>(b, k, e, o); break;
-    case 2: divide_by_series<2>(b, k, e, o); break;
-    case 3: divide_by_series<3>(b, k, e, o); break;
-    case 4: divide_by_series<4>(b, k, e, o); break;
-    default: divide(e, o); break;
+    case 1: divide_by_series<1>(b, k, o); break;
+    case 2: divide_by_series<2>(b, k, o); break;
+    case 3: divide_by_series<3>(b, k, o); break;
+    case 4: divide_by_series<4>(b, k, o); break;
+    default: divide(o); break;
   }
   return o;
 }
 
 // Fewer bits, so that positions modulo 16 texels of the level fit 32 bits.
-[[gnu::always_inline]] inline void shorten(offsets& o, int level) {
-  const int drop = o.bits + level - 28;
-  if (drop <= 0) return;
-#pragma GCC unroll 4
-  for (int n = 0; n < quads; ++n) {
-    o.u[n] = _mm512_srai_epi32(o.u[n], unsigned(drop));
-    o.v[n] = _mm512_srai_epi32(o.v[n], unsigned(drop));
-  }
-  o.bits -= drop;
-  o.half >>= drop;
-}
+[[gnu::always_inline]] inline v16 shortened(v16 x, int drop) { return drop > 0 ? _mm512_sra_epi32(x, _mm_cvtsi32_si128(drop)) : x; }
 
 // Positions on a level: u in the lower half of each lane, v in the upper, 7 bits of fraction and 4 of texel each; what is above is anything.
-[[gnu::always_inline]] inline v16 snapped16(const offsets& o, int n, uint32_t from_u, uint32_t from_v, int level) {
-  const int drop = o.bits + level - q.subtexel_bits;
-  const v16 u = _mm512_srlv_epi32(_mm512_add_epi32(o.u[n], set32(int32_t(from_u))), set32(drop));
-  const v16 v = _mm512_rorv_epi32(_mm512_add_epi32(o.v[n], set32(int32_t(from_v))), set32(drop - 16));
+[[gnu::always_inline]] inline v16 snapped16(const offsets& o, int n, int32_t base_u, int32_t base_v, int level) {
+  const int short_by = max_of(0, o.bits + level - 28), bits = o.bits - short_by, drop = bits + level - q.subtexel_bits;
+  const uint32_t start = (o.half >> short_by) + (1u << (bits + level - q.subtexel_bits - 1)) - (1u << (bits + level - 1));
+  const v16 from_u = set32(int32_t((uint32_t(base_u) << bits) + start)), from_v = set32(int32_t((uint32_t(base_v) << bits) + start));
+  const v16 u = _mm512_srlv_epi32(_mm512_add_epi32(shortened(o.u[n], short_by), from_u), set32(drop));
+  const v16 v = _mm512_rorv_epi32(_mm512_add_epi32(shortened(o.v[n], short_by), from_v), set32(drop - 16));
   return _mm512_ternarylogic_epi32(u, v, upper(), 0xD8);  // bits of v where upper
-}
-
-// What is added to an offset before it is cut to a position on a level.
-constexpr uint32_t start(const offsets& o, int32_t base, int level, bool blends) {
-  const uint32_t texels = uint32_t(base) << o.bits, to_nearest = 1u << (o.bits + level - q.subtexel_bits - 1), half_texel = 1u << (o.bits + level - 1);
-  return texels + o.half + (blends ? to_nearest - half_texel : 0);
 }
 
 // --- sections ------------------------------------------------------------------------------------------
@@ -379,49 +386,6 @@ struct extremes { __m128i least, most; };
   return _mm512_add_epi32(to16, start);
 }
 
-// Where the sections of the four quads lie: bytes from the level's first block to that of each register, [row parity][column]. Narrow: every
-// section is at most 8 texels across, and the columns of two blocks merge in one register: those below `column` come from the second one.
-// Wide: 16 across, the columns are those of even and odd blocks.
-struct alignas(64) quad_sections {
-  int32_t at[2][2][quads];  // [column][row parity]
-  int32_t column[quads];
-  const uint8_t* origin;
-  bool fit, wide;           // not fit: too large for registers, or where the map has no blocks
-};
-
-[[gnu::always_inline]] inline __m128i lanes4(int32_t x) { return _mm_set1_epi32(x); }
-
-[[gnu::always_inline]] inline quad_sections sections_on(const planar_map& map, const planar_level& texels, v16 reach, int level) {
-  const v16 neighbour = _mm512_setr_epi32(0, 0, 0, 0, 1, 1, 1, 1, 0, 0, 0, 0, 1, 1, 1, 1);
-  const v16 range = _mm512_add_epi32(_mm512_sra_epi32(_mm512_sub_epi32(reach, set32(1 << (15 + level))), _mm_cvtsi32_si128(16 + level)), neighbour);
-  const v16 blocks = _mm512_srai_epi32(range, 3);
-  const __m256i u = _mm512_castsi512_si256(range), bu = _mm512_castsi512_si256(blocks), bv = _mm512_extracti64x4_epi64(blocks, 1);
-  const __m128i first = _mm256_castsi256_si128(u), width = _mm_sub_epi32(_mm256_extracti128_si256(u, 1), first);
-  const __m256i last_column = _mm256_set1_epi32(texels.last_column), last_row = _mm256_set1_epi32(texels.last_row), least = _mm256_set1_epi32(-apron);
-  const __m256i x = _mm256_max_epi32(_mm256_min_epi32(bu, last_column), least), y = _mm256_max_epi32(_mm256_min_epi32(bv, last_row), least);
-  const __m128i x0 = _mm256_castsi256_si128(bu), x1 = _mm256_extracti128_si256(bu, 1), y0 = _mm256_castsi256_si128(bv), y1 = _mm256_extracti128_si256(bv, 1);
-  quad_sections s;
-  s.wide = _mm_cmpgt_epi32_mask(width, lanes4(7)) != 0;
-  unsigned misfits = _mm_cmpgt_epi32_mask(_mm_sub_epi32(y1, y0), lanes4(1));
-  if (s.wide) misfits |= _mm_cmpgt_epi32_mask(_mm_sub_epi32(x1, x0), lanes4(1));
-  if (map.period_u() != 0) misfits |= _mm256_cmpneq_epi32_mask(x, bu);
-  if (map.period_v() != 0) misfits |= _mm256_cmpneq_epi32_mask(y, bv);
-  s.fit = misfits == 0;
-  const __m256i columns = _mm256_slli_epi32(x, 8), rows = _mm256_mullo_epi32(y, _mm256_set1_epi32(texels.stride));
-  const auto swapped = [&](__m256i pair, __m128i parity_of) {  // by the parity of the first: even, odd
-    const __m128i a = _mm256_castsi256_si128(pair), b = _mm256_extracti128_si256(pair, 1);
-    const __mmask8 odd = _mm_test_epi32_mask(parity_of, lanes4(1));
-    return _mm256_set_m128i(_mm_mask_mov_epi32(b, odd, a), _mm_mask_mov_epi32(a, odd, b));
-  };
-  const __m256i c = s.wide ? swapped(columns, x0) : columns, r = swapped(rows, y0);
-  const __m256i near = _mm256_broadcastsi128_si256(_mm256_castsi256_si128(c)), far = _mm256_broadcastsi128_si256(_mm256_extracti128_si256(c, 1));
-  _mm256_store_si256(reinterpret_cast<__m256i*>(s.at[0]), _mm256_add_epi32(near, r));
-  _mm256_store_si256(reinterpret_cast<__m256i*>(s.at[1]), _mm256_add_epi32(far, r));
-  _mm_store_si128(reinterpret_cast<__m128i*>(s.column), _mm_and_si128(first, lanes4(7)));
-  s.origin = texels.origin;
-  return s;
-}
-
 // One quad's registers.
 struct quad_section {
   const uint8_t* near[2];
@@ -431,15 +395,6 @@ struct quad_section {
 
 constexpr uint64_t columns_below[block_side] = {0, 0x0101010101010101, 0x0303030303030303, 0x0707070707070707, 0x0F0F0F0F0F0F0F0F, 0x1F1F1F1F1F1F1F1F,
                                                 0x3F3F3F3F3F3F3F3F, 0x7F7F7F7F7F7F7F7F};
-
-[[gnu::always_inline]] inline quad_section section_of(const quad_sections& s, int n) {
-  const auto at = [&](int column, int row) {
-    const uint8_t* p = s.origin + s.at[column][row][n];
-    asm("" : "+r"(p));  // one pointer a register, channels as displacements: left alone, compilers compute and spill sixteen addresses
-    return p;
-  };
-  return {{at(0, 0), at(0, 1)}, {at(1, 0), at(1, 1)}, columns_below[s.column[n]]};
-}
 
 // --- filters -------------------------------------------------------------------------------------------
 
@@ -513,12 +468,12 @@ template <bool Wide>
   return _mm512_or_si512(_mm512_slli_epi32(twice, 16), _mm512_sub_epi32(set32(512), twice));
 }
 
-template <bool Wide>
+template <bool Wide, bool CoarseWide>
 [[gnu::always_inline]] inline v16 trilinear16(const quad_section& fine, const samples& s, const quad_section& coarse, const samples& t, v16 weights) {
   v16 c[channel_count];
 #pragma GCC unroll 4
   for (int k = 0; k < channel_count; ++k) {
-    const v16 near = _mm512_srli_epi32(blended16<Wide>(fine, k, s, 1 << 8), 9), far = _mm512_slli_epi32(blended16<false>(coarse, k, t, 1 << 8), 7);
+    const v16 near = _mm512_srli_epi32(blended16<Wide>(fine, k, s, 1 << 8), 9), far = _mm512_slli_epi32(blended16<CoarseWide>(coarse, k, t, 1 << 8), 7);
     c[k] = even16(_mm512_dpwssd_epi32(set32(before_even), _mm512_ternarylogic_epi32(near, far, upper(), 0xD8), weights));
   }
   return packed16(c[0], c[1], c[2], c[3]);
@@ -560,41 +515,285 @@ template <bool Wide>
   return {{at(0, 0), at(0, 1)}, {at(1, 0), at(1, 1)}, columns_below[b.column[n][k]]};
 }
 
+// --- levels of detail ----------------------------------------------------------------------------------
+
+// log2 between two knots, as differences.
+struct alignas(64) knot_table {
+  uint16_t knot[64], step[64];
+  constexpr knot_table() : knot(), step() {
+    for (int k = 0; k < 64; ++k) {
+      knot[k] = log2_knots.knot[k];
+      step[k] = uint16_t((k == 63 ? 65536u : log2_knots.knot[k + 1]) - log2_knots.knot[k]);
+    }
+  }
+};
+constexpr knot_table knots{};
+
+[[gnu::always_inline]] inline v16 look_up(const uint16_t* table, v16 k) {
+  return _mm512_permutex2var_epi16(_mm512_load_si512(table), k, _mm512_load_si512(table + 32));
+}
+
+// log2_16() of 64-bit lanes, not zero.
+[[gnu::always_inline]] inline v8 log2_8(v8 x) {
+  const v8 zeros = _mm512_lzcnt_epi64(x), f = _mm512_srli_epi64(_mm512_sllv_epi64(x, zeros), 41);
+  const v8 k = _mm512_and_si512(_mm512_srli_epi64(f, 16), set(63)), t = _mm512_and_si512(f, set(0xFFFF)), word = set(0xFFFF);
+  const v8 low = _mm512_and_si512(look_up(knots.knot, k), word), step = _mm512_and_si512(look_up(knots.step, k), word);
+  const v8 part = _mm512_srli_epi64(_mm512_add_epi64(_mm512_mul_epu32(step, t), set(0x8000)), 16);
+  return _mm512_add_epi64(_mm512_slli_epi64(_mm512_sub_epi64(set(63), zeros), 16), _mm512_add_epi64(low, part));
+}
+
+// The same of 32-bit lanes.
+[[gnu::always_inline]] inline v16 log2_16_(v16 x) {
+  const v16 zeros = _mm512_lzcnt_epi32(x), f = _mm512_srli_epi32(_mm512_sllv_epi32(x, zeros), 9);
+  const v16 k = _mm512_and_si512(_mm512_srli_epi32(f, 16), set32(63)), t = _mm512_and_si512(f, set32(0xFFFF)), word = set32(0xFFFF);
+  const v16 low = _mm512_and_si512(look_up(knots.knot, k), word), step = _mm512_and_si512(look_up(knots.step, k), word);
+  const v16 part = _mm512_srli_epi32(_mm512_add_epi32(_mm512_mullo_epi32(step, t), set32(0x8000)), 16);
+  return _mm512_add_epi32(_mm512_slli_epi32(_mm512_sub_epi32(set32(31), zeros), 16), _mm512_add_epi32(low, part));
+}
+
+// log2_length() of the eight rows or columns, s.10 in 32 bits.
+[[gnu::always_inline]] inline __m256i lengths8(v8 du, v8 dv, int exponent) {
+  const v8 square = _mm512_add_epi64(_mm512_mullo_epi64(du, du), _mm512_mullo_epi64(dv, dv));
+  const v8 level = _mm512_add_epi64(_mm512_srli_epi64(log2_8(square), 1), set(int64_t(1 - exponent) * 65536));
+  const v8 term = _mm512_srai_epi64(_mm512_add_epi64(level, set(32)), 6);
+  const v8 held = _mm512_max_epi64(_mm512_min_epi64(term, set(32767)), set(-32768));
+  return _mm512_cvtepi64_epi32(_mm512_mask_mov_epi64(held, _mm512_testn_epi64_mask(square, square), set(-32768)));
+}
+
+// level_at() of the span's pixels, 2^-8.
+[[gnu::always_inline]] inline void levels_of(const row_work& work, const batch& b, int k, const offsets& o, v16 (&level)[quads]) {
+  const v8 half = _mm512_setr_epi64(-7, -5, -3, -1, 1, 3, 5, 7);
+  const v8 along_u = _mm512_mullo_epi64(set(b.twist_u[k]), half), along_v = _mm512_mullo_epi64(set(b.twist_v[k]), half);
+  const __m256i rows = lengths8(_mm512_add_epi64(set(b.u_x[k]), along_u), _mm512_add_epi64(set(b.v_x[k]), along_v), b.exponent[k]);
+  const __m256i columns = lengths8(_mm512_sub_epi64(set(b.u_y[k]), along_u), _mm512_sub_epi64(set(b.v_y[k]), along_v), b.exponent[k]);
+  const v16 both = _mm512_inserti64x4(_mm512_castsi256_si512(rows), columns, 1);
+  const v16 row = _mm512_setr_epi32(0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3), column = _mm512_setr_epi32(8, 9, 10, 11, 8, 9, 10, 11, 8, 9, 10, 11, 8, 9, 10, 11);
+  const v16 top = _mm512_permutexvar_epi32(row, both), bottom = _mm512_permutexvar_epi32(_mm512_add_epi32(row, set32(4)), both);
+  const v16 left = _mm512_permutexvar_epi32(column, both), right = _mm512_permutexvar_epi32(_mm512_add_epi32(column, set32(4)), both);
+  const v16 terms[quads] = {_mm512_max_epi32(top, left), _mm512_max_epi32(top, right), _mm512_max_epi32(bottom, left), _mm512_max_epi32(bottom, right)};
+  const int s = b.slope_log2[k];
+  const v16 most = set32(work.last_level << q.level_bits);
+#pragma GCC unroll 4
+  for (int n = 0; n < quads; ++n) {
+    v16 log_w;
+    if (s <= most_level_slope_log2) {
+      const v16 e16 = _mm512_and_si512(_mm512_sllv_epi32(o.e[n], set32(-s)), upper());
+      const v16 t = _mm512_sub_epi32(e16, _mm512_and_si512(_mm512_srav_epi32(_mm512_madd_epi16(e16, e16), set32(-s - 1)), upper()));
+      log_w = _mm512_srav_epi32(_mm512_madd_epi16(t, set32(int32_t(level_factor.raw()) << 16)), set32(11 - s));
+    } else {
+      log_w = _mm512_slli_epi32(_mm512_sub_epi32(log2_16_(_mm512_add_epi32(o.e[n], set32(1 << 30))), set32(30 << 16)), 1);
+    }
+    const v16 exact = _mm512_sub_epi32(_mm512_slli_epi32(terms[n], 6), log_w);
+    level[n] = _mm512_max_epi32(_mm512_min_epi32(_mm512_srai_epi32(_mm512_add_epi32(exact, set32(128)), 8), most), _mm512_setzero_si512());
+  }
+}
+
+// --- spans ---------------------------------------------------------------------------------------------
+
+// What the four quads reach, s15.16: [u, v][quad].
+struct quad_reach { int32_t low[2][quads], high[2][quads]; };
+
+[[gnu::always_inline]] inline quad_reach reach_of_quads(const batch& b, int k, const offsets& o) {
+  quad_reach r;
+  if (b.flat >> k & 1) {
+    for (int n = 0; n < quads; ++n)
+      for (int axis = 0; axis < 2; ++axis) {
+        r.low[axis][n] = b.low[n][axis][k];
+        r.high[axis][n] = b.high[n][axis][k];
+      }
+    return r;
+  }
+  alignas(64) int32_t all[2][2][quads];
+  _mm512_store_si512(all, reach_of(o, b.base_u[k], b.base_v[k]));
+  for (int n = 0; n < quads; ++n)
+    for (int axis = 0; axis < 2; ++axis) {
+      r.low[axis][n] = all[axis][0][n];
+      r.high[axis][n] = all[axis][1][n];
+    }
+  return r;
+}
+
+// The section of one quad on one level. False if it does not fit registers, or lies where the map has no blocks.
+[[gnu::always_inline]] inline bool find_section(const planar_map& map, int level, const quad_reach& r, int n, quad_section& out, bool& wide) {
+  if (level >= map.level_count()) return false;
+  const planar_level& texels = map.level(level);
+  const int32_t half = 1 << (15 + level);
+  const auto first = [&](int axis) { return (r.low[axis][n] - half) >> (16 + level); };
+  const auto last = [&](int axis) { return ((r.high[axis][n] - half) >> (16 + level)) + 1; };
+  const int32_t u = first(0), u1 = last(0), v = first(1), v1 = last(1);
+  const int32_t bx = u >> 3, bx1 = u1 >> 3, by = v >> 3, by1 = v1 >> 3;
+  wide = u1 - u > 7;
+  if ((wide && bx1 - bx > 1) || by1 - by > 1) return false;
+  const auto held = [](int32_t k, int32_t most) { return clamp_to(k, -apron, most); };
+  const int32_t x0 = held(bx, texels.last_column), x1 = held(bx1, texels.last_column), y0 = held(by, texels.last_row), y1 = held(by1, texels.last_row);
+  if (map.period_u() != 0 && (x0 != bx || x1 != bx1)) return false;
+  if (map.period_v() != 0 && (y0 != by || y1 != by1)) return false;
+  const bool swap_x = wide && (bx & 1), swap_y = by & 1;
+  const auto at = [&](int32_t x, int32_t y) {
+    const uint8_t* p = texels.block(x, y);
+    asm("" : "+r"(p));
+    return p;
+  };
+  const int32_t near = swap_x ? x1 : x0, far = swap_x ? x0 : x1, even = swap_y ? y1 : y0, odd = swap_y ? y0 : y1;
+  out = {{at(near, even), at(near, odd)}, {at(far, even), at(far, odd)}, columns_below[u & 7]};
+  return true;
+}
+
+// Texels where they are: for quads whose section is larger than registers. Level 0.
+[[gnu::always_inline]] inline v16 wrapped16(v16 k, int32_t side, wrap mode) {
+  if (mode == wrap::clamp) return _mm512_max_epi32(_mm512_min_epi32(k, set32(side - 1)), _mm512_setzero_si512());
+  const int32_t period = mode == wrap::mirror ? 2 * side : side;
+  if ((period & (period - 1)) == 0) {
+    k = _mm512_and_si512(k, set32(period - 1));
+  } else {
+    for (__mmask16 m; (m = _mm512_movepi32_mask(k)) != 0;) k = _mm512_mask_add_epi32(k, m, k, set32(period));
+    for (__mmask16 m; (m = _mm512_cmpge_epi32_mask(k, set32(period))) != 0;) k = _mm512_mask_sub_epi32(k, m, k, set32(period));
+  }
+  return mode == wrap::mirror ? _mm512_min_epi32(k, _mm512_sub_epi32(set32(period - 1), k)) : k;
+}
+
+[[gnu::always_inline]] inline v16 bilinear_gathered(const planar_map& map, const offsets& o, int n, int32_t base_u, int32_t base_v, const samples& s) {
+  const int cut = o.bits - q.subtexel_bits;  // whole positions: (offset + rounding) / 2^cut, 7 bits of fraction
+  const v16 start = set32(int32_t(o.half + (1u << (cut - 1)))), half_texel = set32(1 << (q.subtexel_bits - 1));
+  const auto texel = [&](v16 offset, int32_t base) {
+    const v16 at = _mm512_sub_epi32(_mm512_sra_epi32(_mm512_add_epi32(offset, start), _mm_cvtsi32_si128(cut)), half_texel);
+    return _mm512_add_epi32(_mm512_srai_epi32(at, q.subtexel_bits), set32(base));
+  };
+  const v16 u = texel(o.u[n], base_u), v = texel(o.v[n], base_v), one = set32(1), width = set32(map.width());
+  const v16 x0 = wrapped16(u, map.width(), map.wrap_u()), x1 = wrapped16(_mm512_add_epi32(u, one), map.width(), map.wrap_u());
+  const v16 y0 = _mm512_mullo_epi32(wrapped16(v, map.height(), map.wrap_v()), width);
+  const v16 y1 = _mm512_mullo_epi32(wrapped16(_mm512_add_epi32(v, one), map.height(), map.wrap_v()), width);
+  const auto read = [&](v16 x, v16 y) { return _mm512_xor_si512(_mm512_i32gather_epi32(_mm512_add_epi32(x, y), map.level0(), 4), set32(int32_t(0x80808080))); };
+  const v16 t00 = read(x0, y0), t10 = read(x1, y0), t01 = read(x0, y1), t11 = read(x1, y1);
+  const v16 top_low = _mm512_unpacklo_epi8(t00, t10), top_high = _mm512_unpackhi_epi8(t00, t10);
+  const v16 bottom_low = _mm512_unpacklo_epi8(t01, t11), bottom_high = _mm512_unpackhi_epi8(t01, t11);
+  const v16 pixels[4] = {_mm512_unpacklo_epi16(top_low, bottom_low), _mm512_unpackhi_epi16(top_low, bottom_low),
+                         _mm512_unpacklo_epi16(top_high, bottom_high), _mm512_unpackhi_epi16(top_high, bottom_high)};  // pixel n of each four: its channels
+  const v16 u_of[4] = {_mm512_shuffle_epi32(s.u, _MM_PERM_AAAA), _mm512_shuffle_epi32(s.u, _MM_PERM_BBBB), _mm512_shuffle_epi32(s.u, _MM_PERM_CCCC), _mm512_shuffle_epi32(s.u, _MM_PERM_DDDD)};
+  const v16 v_of[4] = {_mm512_shuffle_epi32(s.v, _MM_PERM_AAAA), _mm512_shuffle_epi32(s.v, _MM_PERM_BBBB), _mm512_shuffle_epi32(s.v, _MM_PERM_CCCC), _mm512_shuffle_epi32(s.v, _MM_PERM_DDDD)};
+  v16 c[4];
+#pragma GCC unroll 4
+  for (int k = 0; k < 4; ++k)
+    c[k] = _mm512_srli_epi32(even16(_mm512_dpwssd_epi32(set32((128 << 16) + before_even), _mm512_maddubs_epi16(u_of[k], pixels[k]), v_of[k])), 16);
+  return _mm512_packus_epi16(_mm512_packus_epi32(c[0], c[1]), _mm512_packus_epi32(c[2], c[3]));
+}
+
 [[gnu::always_inline]] inline bool draw_bilinear(const row_work& work, const batch& b, int k) {
-  offsets o = offsets_of(b, k);
+  const offsets o = offsets_of(b, k);
   const planar_level& texels = work.texels->level(0);
-  const uint32_t bit = 1u << k;
+  const int32_t u = b.base_u[k], v = b.base_v[k];
   v16 out[quads];
-  if (b.placed & ~b.wide & bit) {
-    shorten(o, 0);
-    const uint32_t u = start(o, b.base_u[k], 0, true), v = start(o, b.base_v[k], 0, true);
+  if (b.placed & ~b.wide & (1u << k)) {
 #pragma GCC unroll 4
     for (int n = 0; n < quads; ++n) out[n] = bilinear16<false>(section_of(b, texels.origin, k, n), samples16(snapped16(o, n, u, v, 0)));
   } else {
-    const quad_sections at = sections_on(*work.texels, texels, reach_of(o, b.base_u[k], b.base_v[k]), 0);
-    if (!at.fit) return false;
-    shorten(o, 0);
-    const uint32_t u = start(o, b.base_u[k], 0, true), v = start(o, b.base_v[k], 0, true);
+    const quad_reach r = reach_of_quads(b, k, o);
     for (int n = 0; n < quads; ++n) {
       const samples s = samples16(snapped16(o, n, u, v, 0));
-      out[n] = at.wide ? bilinear16<true>(section_of(at, n), s) : bilinear16<false>(section_of(at, n), s);
+      quad_section at;
+      bool wide;
+      if (!find_section(*work.texels, 0, r, n, at, wide)) out[n] = bilinear_gathered(*work.texels, o, n, u, v, s);
+      else out[n] = wide ? bilinear16<true>(at, s) : bilinear16<false>(at, s);
     }
   }
   write(work, k, out);
   return true;
 }
 
+[[gnu::always_inline]] inline bool draw_nearest(const row_work& work, const batch& b, int k) {
+  const offsets o = offsets_of(b, k);
+  const planar_map& map = *work.texels;
+  const v16 half = set32(int32_t(o.half)), bits = set32(o.bits), base_u = set32(b.base_u[k]), base_v = set32(b.base_v[k]), width = set32(map.width());
+  alignas(64) uint64_t at[quads][8];
+#pragma GCC unroll 4
+  for (int n = 0; n < quads; ++n) {
+    const v16 u = _mm512_add_epi32(_mm512_srav_epi32(_mm512_add_epi32(o.u[n], half), bits), base_u);
+    const v16 v = _mm512_add_epi32(_mm512_srav_epi32(_mm512_add_epi32(o.v[n], half), bits), base_v);
+    const v16 x = wrapped16(u, map.width(), map.wrap_u()), y = wrapped16(v, map.height(), map.wrap_v());
+    _mm512_store_si512(at[n], _mm512_add_epi32(_mm512_mullo_epi32(y, width), x));
+  }
+  const span_mask mask = work.masks[k];
+  rgba8* const first = work.pixels + int64_t(work.sy) * span_side * work.stride + (work.sx + k) * span_side;
+  const auto* const texels = reinterpret_cast<const uint32_t __attribute__((__may_alias__))*>(map.level0());
+  for (int n = 0; n < quads; ++n)
+#pragma GCC unroll 8
+    for (int m = 0; m < 8; ++m) {  // two pixels side by side
+      const int y = n / 2 * quad_side + m / 2, x = n % 2 * quad_side + m % 2 * 2;
+      const uint64_t two = at[n][m], pixels = texels[uint32_t(two)] | uint64_t(texels[two >> 32]) << 32;
+      rgba8* const to = first + int64_t(y) * work.stride + x;
+      const unsigned wanted = unsigned(mask >> (y * span_side + x)) & 3;
+      if (wanted == 3) __builtin_memcpy(to, &pixels, 8);
+      else if (wanted == 1) __builtin_memcpy(to, &pixels, 4);
+      else if (wanted == 2) { const uint64_t second = pixels >> 32; __builtin_memcpy(to + 1, &second, 4); }
+    }
+  return true;
+}
+
+template <bool TwoLevels>
+[[gnu::always_inline]] inline bool draw_by_level(const row_work& work, const batch& b, int k) {
+  const offsets o = offsets_of(b, k);
+  v16 level[quads], out[quads];
+  levels_of(work, b, k, o, level);
+  const quad_reach r = reach_of_quads(b, k, o);
+  const int32_t u = b.base_u[k], v = b.base_v[k];
+  for (int n = 0; n < quads; ++n) {
+    const v16 whole = TwoLevels ? _mm512_srai_epi32(level[n], 8)
+                                : _mm512_max_epi32(_mm512_sub_epi32(_mm512_srai_epi32(_mm512_add_epi32(level[n], set32(128 + 255)), 8), set32(1)), _mm512_setzero_si512());
+    out[n] = _mm512_setzero_si512();
+    for (__mmask16 rest = 0xFFFF; rest != 0;) {
+      const int at = _mm_cvtsi128_si32(_mm512_castsi512_si128(_mm512_maskz_compress_epi32(rest, whole)));
+      const __mmask16 these = _mm512_cmpeq_epi32_mask(whole, set32(at));
+      quad_section fine, coarse;
+      bool wide, coarse_wide;
+      if (!find_section(*work.texels, at, r, n, fine, wide)) return false;
+      const samples s = samples16(snapped16(o, n, u, v, at));
+      v16 colour;
+      if constexpr (TwoLevels) {
+        const int next = min_of(at + 1, work.last_level);
+        if (!find_section(*work.texels, next, r, n, coarse, coarse_wide) || (coarse_wide && next != at)) return false;
+        const samples t = samples16(snapped16(o, n, u, v, next));
+        const v16 weights = level_weights16(_mm512_and_si512(level[n], set32(255)));
+        if (next == at && wide) coarse = fine, colour = trilinear16<true, true>(fine, s, coarse, t, weights);
+        else colour = wide ? trilinear16<true, false>(fine, s, coarse, t, weights) : trilinear16<false, false>(fine, s, coarse, t, weights);
+      } else {
+        colour = wide ? bilinear16<true>(fine, s) : bilinear16<false>(fine, s);
+      }
+      out[n] = _mm512_mask_mov_epi32(out[n], these, colour);
+      rest &= __mmask16(~these);
+    }
+  }
+  write(work, k, out);
+  return true;
+}
+
+template <filter Kind>
 row_result draw_row(const row_work& work) {
   batch b;
   plan(work, b);
   row_result result;
-  result.divides = 0;
   for (int k = 0; k < work.count; ++k) {
     if (work.masks[k] == 0) continue;
-    if (!(b.usable >> k & 1) || !draw_bilinear(work, b, k)) { result.left |= 1u << k; continue; }
+    bool drawn = b.usable >> k & 1;
+    if (drawn) {
+      if constexpr (Kind == filter::nearest) drawn = draw_nearest(work, b, k);
+      else if constexpr (Kind == filter::bilinear) drawn = draw_bilinear(work, b, k);
+      else drawn = draw_by_level<Kind == filter::trilinear>(work, b, k);
+    }
+    if (!drawn) { result.left |= 1u << k; continue; }
     result.divides += 1 + (b.terms[k] == divide_terms ? uint32_t(__builtin_popcountll(work.masks[k])) : 0);
   }
   return result;
+}
+
+row_result draw_any_row(const row_work& work) {
+  switch (work.kind) {
+    case filter::nearest: return draw_row<filter::nearest>(work);
+    case filter::bilinear: return draw_row<filter::bilinear>(work);
+    case filter::mip_bilinear: return draw_row<filter::mip_bilinear>(work);
+    case filter::trilinear: return draw_row<filter::trilinear>(work);
+    default: break;
+  }
+  return {(1u << work.count) - 1, 0};
 }
 
 }  // namespace
@@ -612,7 +811,7 @@ row_kernel avx512_kernel() {
   const bool has = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512cd") &&
                    __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512vbmi") &&
                    __builtin_cpu_supports("avx512vnni");
-  return has ? draw_row : nullptr;
+  return has ? draw_any_row : nullptr;
 }
 
 }  // namespace spantex::kernels

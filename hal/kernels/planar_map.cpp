@@ -13,7 +13,12 @@ int32_t blocks_of(wrap mode, int32_t side) {
 
 }  // namespace
 
-planar_map::planar_map(const texture_view& view) : period_u_(period(view.wrap_u(), view.width())), period_v_(period(view.wrap_v(), view.height())) {
+planar_map::planar_map(const texture_view& view)
+    : width_(view.width()), height_(view.height()), wrap_u_(view.wrap_u()), wrap_v_(view.wrap_v()), period_u_(period(wrap_u_, width_)),
+      period_v_(period(wrap_v_, height_)) {
+  level0_.reserve(size_t(width_) * size_t(height_));
+  for (int32_t y = 0; y < height_; ++y)
+    for (int32_t x = 0; x < width_; ++x) level0_.push_back(view.texel(0, x, y));
   constexpr uint32_t exact = uint32_t(1) << 31;
   for (int k = 0; k < view.level_count(); ++k) {
     if (view.ratio_u(k) != exact || view.ratio_v(k) != exact) break;

@@ -29,13 +29,21 @@ class planar_map {
   explicit planar_map(const texture_view& view);
   const planar_level& level(int k) const { return levels_[size_t(k)]; }
   int level_count() const { return int(levels_.size()); }  // from 0 on, as many as halve exactly
+  const rgba8* level0() const { return level0_.data(); }  // rows from the top, as they are
+  int32_t width() const { return width_; }
+  int32_t height() const { return height_; }
+  wrap wrap_u() const { return wrap_u_; }
+  wrap wrap_v() const { return wrap_v_; }
   int32_t period_u() const { return period_u_; }
   int32_t period_v() const { return period_v_; }
 
  private:
   std::vector<std::vector<uint8_t>> storage_;
   std::vector<planar_level> levels_;
-  int32_t period_u_ = 0, period_v_ = 0;
+  std::vector<rgba8> level0_;
+  int32_t width_, height_;
+  wrap wrap_u_, wrap_v_;
+  int32_t period_u_, period_v_;
 };
 
 }  // namespace spantex::kernels
