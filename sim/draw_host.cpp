@@ -6,6 +6,7 @@
 #include <memory>
 
 #include <hal/direct_engine.hpp>
+#include <hal/kernels/rows.hpp>
 #include <hal/sim_engine.hpp>
 #include "object_space_host.hpp"
 
@@ -27,10 +28,31 @@ struct band_counts {
   counters machine;
 };
 
+// A host kernel and the maps made ready for it; null and none where the scalar engine draws.
+struct prepared {
+  kernels::row_kernel kernel = nullptr;
+  std::vector<kernels::planar_map> maps;
+};
+
+prepared prepare(const scene& s, const draw_options& o) {
+  const bool wanted = o.profile == profile_choice::standard && o.engine == engine_choice::direct && o.space == sampling_space::screen && kernels::draws(o.kind) &&
+                      !o.single_half && o.how.alpha == alpha_mode::opaque && o.how.colour == white &&
+                      (o.colours == colour_space::coded || o.kind == filter::nearest);
+  prepared p;
+  if (!wanted || std::all_of(s.items.begin(), s.items.end(), [](const drawable& d) { return d.is_polygon; })) return p;
+  p.kernel = kernels::kernel_of(o.kernel);
+  if (p.kernel != nullptr)
+    for (const texture_map& map : *s.maps) p.maps.emplace_back(map.view());
+  return p;
+}
+
 struct target {
   image& picture;
   std::vector<uint32_t>& depth;
+  const prepared& ready;
 };
+
+frame_buffer frame_of(image& picture) { return {picture.pixels.data(), picture.width_px, picture.height_px, picture.width_px}; }
 
 // The item's map as the options read it.
 status view_of(const scene& s, const drawable& item, const draw_options& o, texture_view& t) {
@@ -42,7 +64,7 @@ status view_of(const scene& s, const drawable& item, const draw_options& o, text
   return t.set_contour(style);
 }
 
-status draw_item(auto& renderer, const drawable& item, const scene& s, const draw_options& o, band b, const target& out) {
+status draw_item(auto& renderer, const drawable& item, const scene& s, const draw_options& o, band b, const target& out, draw_counters& counts) {
   const rectangle rows{0, b.y0, s.size.width_px, b.y1};
   texture_view map;
   SPANTEX_TRY(view_of(s, item, o, map));
@@ -56,10 +78,31 @@ status draw_item(auto& renderer, const drawable& item, const scene& s, const dra
     return status::ok;
   }
   for (int32_t y = b.y0; y < b.y1; y += span_side) {
-    SPANTEX_TRY(renderer.draw(item.shape.map, map, o.kind, {0, y, rows.x1, std::min(y + span_side, b.y1)}, how));
+    const rectangle row{0, y, rows.x1, std::min(y + span_side, b.y1)};
+    if (out.ready.kernel != nullptr && how.colours == nullptr)
+      SPANTEX_TRY(kernels::draw_plane(out.ready.kernel, out.ready.maps[size_t(item.map_index)], renderer, item.shape.map, map, o.kind, row, frame_of(out.picture), counts, how));
+    else
+      SPANTEX_TRY(renderer.draw(item.shape.map, map, o.kind, row, how));
     if (o.parts_done) o.parts_done(1);
   }
   return status::ok;
+}
+
+void add(draw_counters& sum, const draw_counters& c) {
+  sum.spans_total += c.spans_total;
+  sum.spans_empty += c.spans_empty;
+  sum.spans_behind += c.spans_behind;
+  sum.spans_hidden += c.spans_hidden;
+  sum.jobs += c.jobs;
+  sum.pixels += c.pixels;
+  sum.words_loaded += c.words_loaded;
+  sum.words_read += c.words_read;
+  sum.loads_skipped += c.loads_skipped;
+  sum.second_levels_skipped += c.second_levels_skipped;
+  sum.divides += c.divides;
+  sum.corrected_jobs += c.corrected_jobs;
+  sum.pixels_left += c.pixels_left;
+  sum.pixels_blended += c.pixels_blended;
 }
 
 template <class Prof, class Engine>
@@ -67,9 +110,9 @@ status draw_band(const Prof& prof, Engine& engine, const scene& s, const draw_op
   for (const texture_map& map : *s.maps) engine.mark({event_kind::map_upload, uint32_t(map.words_uploaded())});
   renderer<Engine, Prof, shading, counted_reads> r(engine, prof, {out.picture.pixels.data(), s.size.width_px, s.size.height_px, s.size.width_px});
   r.single_half(o.single_half);
-  for (const drawable& item : s.items) SPANTEX_TRY(draw_item(r, item, s, o, b, out));
+  for (const drawable& item : s.items) SPANTEX_TRY(draw_item(r, item, s, o, b, out, work));
   SPANTEX_TRY(r.finish());
-  work = r.counters();
+  add(work, r.counters());
   return status::ok;
 }
 
@@ -106,23 +149,6 @@ status draw_band_by_profile(const scene& s, const draw_options& o, band b, const
   return status::out_of_range;
 }
 
-void add(draw_counters& sum, const draw_counters& c) {
-  sum.spans_total += c.spans_total;
-  sum.spans_empty += c.spans_empty;
-  sum.spans_behind += c.spans_behind;
-  sum.spans_hidden += c.spans_hidden;
-  sum.jobs += c.jobs;
-  sum.pixels += c.pixels;
-  sum.words_loaded += c.words_loaded;
-  sum.words_read += c.words_read;
-  sum.loads_skipped += c.loads_skipped;
-  sum.second_levels_skipped += c.second_levels_skipped;
-  sum.divides += c.divides;
-  sum.corrected_jobs += c.corrected_jobs;
-  sum.pixels_left += c.pixels_left;
-  sum.pixels_blended += c.pixels_blended;
-}
-
 void add(counters& sum, const counters& c) {
   sum.total_cycles = later(sum.total_cycles, c.total_cycles);
   sum.load_cycles += c.load_cycles;
@@ -138,11 +164,11 @@ void add(counters& sum, const counters& c) {
 }
 
 // One repetition; the time of drawing alone.
-double draw_once(const scene& s, const draw_options& o, const std::vector<band>& bands, draw_result& result, std::vector<uint32_t>& depth) {
+double draw_once(const scene& s, const draw_options& o, const prepared& ready, const std::vector<band>& bands, draw_result& result, std::vector<uint32_t>& depth) {
   std::fill(result.picture.pixels.begin(), result.picture.pixels.end(), o.background);
   std::fill(depth.begin(), depth.end(), 0);
   std::vector<band_counts> counts(bands.size());
-  const target out{result.picture, depth};
+  const target out{result.picture, depth, ready};
   const auto begun = std::chrono::steady_clock::now();
   for_each_index(int(bands.size()), int(bands.size()), [&](int k) {
     const status done = draw_band_by_profile(s, o, bands[size_t(k)], out, counts[size_t(k)]);
@@ -206,9 +232,11 @@ draw_result draw(const scene& s, const draw_options& options) {
   for (const texture_map& map : *s.maps) result.words_uploaded += map.words_uploaded();
   std::vector<uint32_t> depth(s.uses_depth() ? result.picture.pixels.size() : 0);
   const std::vector<band> bands = make_bands(s.size.height_px, options.sink != nullptr ? 1 : options.threads);
+  const prepared ready = prepare(s, options);
+  if (ready.kernel != nullptr) result.kernel = name_of(kernel_names, kernels::choice::avx512);
   std::vector<double> times;
   for (int k = 0; k < std::max(1, options.repeat); ++k) 
-    times.push_back(options.space == sampling_space::object ? draw_in_object_space(s, options, result) : draw_once(s, options, bands, result, depth));
+    times.push_back(options.space == sampling_space::object ? draw_in_object_space(s, options, result) : draw_once(s, options, ready, bands, result, depth));
   std::nth_element(times.begin(), times.begin() + std::ptrdiff_t(times.size() / 2), times.end());
   result.ns_per_pixel = times[times.size() / 2] / double(result.picture.pixels.size());
   return result;

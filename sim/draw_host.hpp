@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include <hal/any_engine.hpp>
+#include <hal/kernels/kernel.hpp>
 #include <spantex/draw.hpp>
 #include "counters.hpp"
 #include "image.hpp"
@@ -45,6 +46,8 @@ inline constexpr std::array<named<filter>, 11> filter_names{{{"nearest", filter:
                                                             {"trilinear", filter::trilinear}, {"trilinear3", filter::trilinear3},
                                                             {"squares", filter::squares}, {"aniso", filter::aniso},
                                                             {"step", filter::step}, {"hat", filter::hat}, {"contour", filter::contour}}};
+inline constexpr std::array<named<kernels::choice>, 3> kernel_names{
+    {{"fastest", kernels::choice::fastest}, {"scalar", kernels::choice::scalar}, {"avx512", kernels::choice::avx512}}};
 inline constexpr std::array<named<sampling_space>, 2> space_names{{{"screen", sampling_space::screen}, {"object", sampling_space::object}}};
 inline constexpr std::array<named<level_formula>, 3> level_names{
     {{"jacobian", level_formula::jacobian}, {"major", level_formula::major}, {"minor", level_formula::minor}}};
@@ -81,6 +84,7 @@ struct draw_options {
   std::optional<uint16_t> threshold, field_scale;  // of contours, u8.8, instead of the maps' own
   std::optional<uint8_t> outline;                  // 1/16 pixel, likewise
   rgba8 background{0, 0, 0, 255};
+  kernels::choice kernel = kernels::choice::fastest;  // profile default, engine direct, planes, opaque, colours as coded: same bytes
   int threads = 1;
   int repeat = 1;
   bool single_half = false;
@@ -95,6 +99,7 @@ struct draw_result {
   draw_counters work;                // of one repetition, summed over the threads
   texel_format format = texel_format::rgba8888;  // of the first map
   colour_space colours = colour_space::coded;    // likewise
+  std::string_view kernel = "scalar";            // what drew: see kernel_names
   uint64_t words_uploaded = 0;       // 64-bit words of all maps into global texture memory, before drawing
   counters machine;                  // engine sim: summed, total_cycles the longest
   int machines = 0;                  // engines, one per thread that had a row of spans

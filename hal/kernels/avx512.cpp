@@ -189,11 +189,11 @@ struct reciprocals16 { v8 even, odd; };
     const v16 first = texel(low), end = _mm512_add_epi32(texel(high), set32(1));
     const v16 block0 = _mm512_srai_epi32(first, 3), block1 = _mm512_srai_epi32(end, 3);
     const __mmask16 large = _mm512_cmpgt_epi32_mask(_mm512_sub_epi32(end, first), set32(7)) & 0xFF;
-    fit &= _mm512_cmple_epi32_mask(_mm512_sub_epi32(block1, block0), set32(1)) | __mmask16(0xFF & ~large);
+    fit = __mmask16(fit & (_mm512_cmple_epi32_mask(_mm512_sub_epi32(block1, block0), set32(1)) | (0xFF & ~large)));
     wide |= large;
     const auto held = [&](v16 k) { return _mm512_max_epi32(_mm512_min_epi32(k, last), set32(-apron)); };
     const v16 k0 = held(block0), k1 = held(block1);
-    fit &= ~(strict & (_mm512_cmpneq_epi32_mask(k0, block0) | _mm512_cmpneq_epi32_mask(k1, block1)));
+    fit = __mmask16(fit & ~(strict & (_mm512_cmpneq_epi32_mask(k0, block0) | _mm512_cmpneq_epi32_mask(k1, block1))));
     const __mmask16 swap = _mm512_test_epi32_mask(block0, set32(1)) & (0xFF00 | large);
     const v16 bytes = _mm512_inserti64x4(_mm512_castsi256_si512(_mm256_set1_epi32(block_bytes)), _mm256_set1_epi32(texels.stride), 1);
     const v16 even = _mm512_mullo_epi32(_mm512_mask_mov_epi32(k0, swap, k1), bytes), odd = _mm512_mullo_epi32(_mm512_mask_mov_epi32(k1, swap, k0), bytes);
@@ -393,6 +393,8 @@ struct quad_section {
   __mmask64 merged;  // columns from far
 };
 
+constexpr uint32_t words_of_section = 4 * block_bytes / 8;
+
 constexpr uint64_t columns_below[block_side] = {0, 0x0101010101010101, 0x0303030303030303, 0x0707070707070707, 0x0F0F0F0F0F0F0F0F, 0x1F1F1F1F1F1F1F1F,
                                                 0x3F3F3F3F3F3F3F3F, 0x7F7F7F7F7F7F7F7F};
 
@@ -468,12 +470,12 @@ template <bool Wide>
   return _mm512_or_si512(_mm512_slli_epi32(twice, 16), _mm512_sub_epi32(set32(512), twice));
 }
 
-template <bool Wide, bool CoarseWide>
-[[gnu::always_inline]] inline v16 trilinear16(const quad_section& fine, const samples& s, const quad_section& coarse, const samples& t, v16 weights) {
+// Two levels, each with 16 bits of fraction and 2^8 added: rounded to 7 bits, then interpolated and written out.
+[[gnu::always_inline]] inline v16 between_levels16(const v16 (&fine)[channel_count], const v16 (&coarse)[channel_count], v16 weights) {
   v16 c[channel_count];
 #pragma GCC unroll 4
   for (int k = 0; k < channel_count; ++k) {
-    const v16 near = _mm512_srli_epi32(blended16<Wide>(fine, k, s, 1 << 8), 9), far = _mm512_slli_epi32(blended16<CoarseWide>(coarse, k, t, 1 << 8), 7);
+    const v16 near = _mm512_srli_epi32(fine[k], 9), far = _mm512_slli_epi32(coarse[k], 7);
     c[k] = even16(_mm512_dpwssd_epi32(set32(before_even), _mm512_ternarylogic_epi32(near, far, upper(), 0xD8), weights));
   }
   return packed16(c[0], c[1], c[2], c[3]);
@@ -639,6 +641,58 @@ struct quad_reach { int32_t low[2][quads], high[2][quads]; };
   return true;
 }
 
+// A section too large for registers, or spread over three blocks: the pixels whose texels lie in the same 2x2 blocks together, until none is left.
+// False where the map has no blocks.
+[[gnu::noinline]] bool blend_in_parts(const planar_map& map, const offsets& o, int n, int32_t base_u, int32_t base_v, int level, const samples& s,
+                                      int32_t rounding, v16 (&out)[channel_count]) {
+  const planar_level& texels = map.level(level);
+  const int up = 16 - q.coordinate_bits, cut = o.bits - q.coordinate_bits;
+  const v16 from = set32((1 << (16 + level - q.subtexel_bits - 1)) - (1 << (15 + level)));
+  const auto texel = [&](v16 offset, int32_t base) {
+    const v16 at = _mm512_slli_epi32(_mm512_sra_epi32(_mm512_add_epi32(offset, set32(int32_t(o.half))), _mm_cvtsi32_si128(cut)), unsigned(up));
+    return _mm512_sra_epi32(_mm512_add_epi32(_mm512_add_epi32(at, set32(base << 16)), from), _mm_cvtsi32_si128(16 + level));
+  };
+  const v16 one = set32(1), u = texel(o.u[n], base_u), v = texel(o.v[n], base_v);
+  const v16 bu = _mm512_srai_epi32(u, 3), bv = _mm512_srai_epi32(v, 3), eu = _mm512_srai_epi32(_mm512_add_epi32(u, one), 3), ev = _mm512_srai_epi32(_mm512_add_epi32(v, one), 3);
+  for (__mmask16 rest = 0xFFFF; rest != 0;) {
+    const auto first = [&](v16 x) { return _mm_cvtsi128_si32(_mm512_castsi512_si128(_mm512_maskz_compress_epi32(rest, x))); };
+    const int32_t x = first(bu), y = first(bv);
+    const auto within = [&](v16 b, v16 e, int32_t k) { return _mm512_cmpge_epi32_mask(b, set32(k)) & _mm512_cmple_epi32_mask(e, set32(k + 1)); };
+    const __mmask16 these = __mmask16(rest & within(bu, eu, x) & within(bv, ev, y));
+    if (map.period_u() != 0 && (x < -apron || x + 1 > texels.last_column)) return false;
+    if (map.period_v() != 0 && (y < -apron || y + 1 > texels.last_row)) return false;
+    const auto held = [](int32_t k, int32_t most) { return clamp_to(k, -apron, most); };
+    const int32_t even_x = held(x + (x & 1), texels.last_column), odd_x = held(x + (~x & 1), texels.last_column);
+    const int32_t even_y = held(y + (y & 1), texels.last_row), odd_y = held(y + (~y & 1), texels.last_row);
+    const quad_section at{{texels.block(even_x, even_y), texels.block(even_x, odd_y)}, {texels.block(odd_x, even_y), texels.block(odd_x, odd_y)}, 0};
+    for (int k = 0; k < channel_count; ++k) out[k] = _mm512_mask_mov_epi32(out[k], these, blended16<true>(at, k, s, rounding));
+    rest = __mmask16(rest & ~these);
+  }
+  return true;
+}
+
+// One level's colours of a quad, with what rounds added.
+[[gnu::always_inline]] inline bool blend_level(const planar_map& map, const offsets& o, int n, int32_t base_u, int32_t base_v, int level, const quad_reach& r,
+                                               int32_t rounding, v16 (&out)[channel_count], uint32_t& words) {
+  if (level >= map.level_count()) return false;
+  const samples s = samples16(snapped16(o, n, base_u, base_v, level));
+  quad_section at;
+  bool wide;
+  words += words_of_section;
+  if (!find_section(map, level, r, n, at, wide)) {
+    for (v16& c : out) c = _mm512_setzero_si512();
+    return blend_in_parts(map, o, n, base_u, base_v, level, s, rounding, out);
+  }
+  if (wide) {
+#pragma GCC unroll 4
+    for (int k = 0; k < channel_count; ++k) out[k] = blended16<true>(at, k, s, rounding);
+  } else {
+#pragma GCC unroll 4
+    for (int k = 0; k < channel_count; ++k) out[k] = blended16<false>(at, k, s, rounding);
+  }
+  return true;
+}
+
 // Texels where they are: for quads whose section is larger than registers. Level 0.
 [[gnu::always_inline]] inline v16 wrapped16(v16 k, int32_t side, wrap mode) {
   if (mode == wrap::clamp) return _mm512_max_epi32(_mm512_min_epi32(k, set32(side - 1)), _mm512_setzero_si512());
@@ -678,11 +732,12 @@ struct quad_reach { int32_t low[2][quads], high[2][quads]; };
   return _mm512_packus_epi16(_mm512_packus_epi32(c[0], c[1]), _mm512_packus_epi32(c[2], c[3]));
 }
 
-[[gnu::always_inline]] inline bool draw_bilinear(const row_work& work, const batch& b, int k) {
+[[gnu::always_inline]] inline bool draw_bilinear(const row_work& work, const batch& b, int k, uint32_t& words) {
   const offsets o = offsets_of(b, k);
   const planar_level& texels = work.texels->level(0);
   const int32_t u = b.base_u[k], v = b.base_v[k];
   v16 out[quads];
+  words = quads * words_of_section;
   if (b.placed & ~b.wide & (1u << k)) {
 #pragma GCC unroll 4
     for (int n = 0; n < quads; ++n) out[n] = bilinear16<false>(section_of(b, texels.origin, k, n), samples16(snapped16(o, n, u, v, 0)));
@@ -692,7 +747,7 @@ struct quad_reach { int32_t low[2][quads], high[2][quads]; };
       const samples s = samples16(snapped16(o, n, u, v, 0));
       quad_section at;
       bool wide;
-      if (!find_section(*work.texels, 0, r, n, at, wide)) out[n] = bilinear_gathered(*work.texels, o, n, u, v, s);
+      if (!find_section(*work.texels, 0, r, n, at, wide)) words -= words_of_section - quad_side * quad_side * 2, out[n] = bilinear_gathered(*work.texels, o, n, u, v, s);
       else out[n] = wide ? bilinear16<true>(at, s) : bilinear16<false>(at, s);
     }
   }
@@ -700,7 +755,8 @@ struct quad_reach { int32_t low[2][quads], high[2][quads]; };
   return true;
 }
 
-[[gnu::always_inline]] inline bool draw_nearest(const row_work& work, const batch& b, int k) {
+[[gnu::always_inline]] inline bool draw_nearest(const row_work& work, const batch& b, int k, uint32_t& words) {
+  words = span_pixel_count / 2;
   const offsets o = offsets_of(b, k);
   const planar_map& map = *work.texels;
   const v16 half = set32(int32_t(o.half)), bits = set32(o.bits), base_u = set32(b.base_u[k]), base_v = set32(b.base_v[k]), width = set32(map.width());
@@ -730,7 +786,7 @@ struct quad_reach { int32_t low[2][quads], high[2][quads]; };
 }
 
 template <bool TwoLevels>
-[[gnu::always_inline]] inline bool draw_by_level(const row_work& work, const batch& b, int k) {
+[[gnu::always_inline]] inline bool draw_by_level(const row_work& work, const batch& b, int k, uint32_t& words) {
   const offsets o = offsets_of(b, k);
   v16 level[quads], out[quads];
   levels_of(work, b, k, o, level);
@@ -743,20 +799,17 @@ template <bool TwoLevels>
     for (__mmask16 rest = 0xFFFF; rest != 0;) {
       const int at = _mm_cvtsi128_si32(_mm512_castsi512_si128(_mm512_maskz_compress_epi32(rest, whole)));
       const __mmask16 these = _mm512_cmpeq_epi32_mask(whole, set32(at));
-      quad_section fine, coarse;
-      bool wide, coarse_wide;
-      if (!find_section(*work.texels, at, r, n, fine, wide)) return false;
-      const samples s = samples16(snapped16(o, n, u, v, at));
-      v16 colour;
+      v16 fine[channel_count], colour;
+      if (!blend_level(*work.texels, o, n, u, v, at, r, TwoLevels ? 1 << 8 : before_even, fine, words)) return false;
       if constexpr (TwoLevels) {
+        v16 coarse[channel_count];
         const int next = min_of(at + 1, work.last_level);
-        if (!find_section(*work.texels, next, r, n, coarse, coarse_wide) || (coarse_wide && next != at)) return false;
-        const samples t = samples16(snapped16(o, n, u, v, next));
-        const v16 weights = level_weights16(_mm512_and_si512(level[n], set32(255)));
-        if (next == at && wide) coarse = fine, colour = trilinear16<true, true>(fine, s, coarse, t, weights);
-        else colour = wide ? trilinear16<true, false>(fine, s, coarse, t, weights) : trilinear16<false, false>(fine, s, coarse, t, weights);
+        if (!blend_level(*work.texels, o, n, u, v, next, r, 1 << 8, coarse, words)) return false;
+        colour = between_levels16(fine, coarse, level_weights16(_mm512_and_si512(level[n], set32(255))));
       } else {
-        colour = wide ? bilinear16<true>(fine, s) : bilinear16<false>(fine, s);
+#pragma GCC unroll 4
+        for (v16& c : fine) c = even16(c);
+        colour = packed16(fine[0], fine[1], fine[2], fine[3]);
       }
       out[n] = _mm512_mask_mov_epi32(out[n], these, colour);
       rest &= __mmask16(~these);
@@ -774,12 +827,14 @@ row_result draw_row(const row_work& work) {
   for (int k = 0; k < work.count; ++k) {
     if (work.masks[k] == 0) continue;
     bool drawn = b.usable >> k & 1;
+    uint32_t words = 0;
     if (drawn) {
-      if constexpr (Kind == filter::nearest) drawn = draw_nearest(work, b, k);
-      else if constexpr (Kind == filter::bilinear) drawn = draw_bilinear(work, b, k);
-      else drawn = draw_by_level<Kind == filter::trilinear>(work, b, k);
+      if constexpr (Kind == filter::nearest) drawn = draw_nearest(work, b, k, words);
+      else if constexpr (Kind == filter::bilinear) drawn = draw_bilinear(work, b, k, words);
+      else drawn = draw_by_level<Kind == filter::trilinear>(work, b, k, words);
     }
     if (!drawn) { result.left |= 1u << k; continue; }
+    result.words_loaded += words;
     result.divides += 1 + (b.terms[k] == divide_terms ? uint32_t(__builtin_popcountll(work.masks[k])) : 0);
   }
   return result;

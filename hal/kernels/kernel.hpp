@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Host kernels: whole rows of spans of a plane at once, profile default, the same bytes as the scalar datapath (docs/SPEC.md). A kernel draws the
-// spans it is made for and says which it left; hal/host_renderer.hpp draws those through the scalar engine.
+// spans it is made for and says which it left; rows.hpp draws those through the scalar engine.
 #pragma once
 #include <stdint.h>
 
@@ -25,11 +25,19 @@ struct row_work {
 struct row_result {
   uint32_t left = 0;       // bit k: span k was not drawn
   uint32_t divides = 0;    // reciprocals
+  uint32_t words_loaded = 0;  // 64-bit words read from the map
 };
 
 using row_kernel = row_result (*)(const row_work&);
 
-// Null where this machine has not what it takes.
-row_kernel avx512_kernel();
+enum class choice : uint8_t { fastest, scalar, avx512 };
+
+row_kernel avx512_kernel();  // null where this machine has not what it takes: AVX-512 F, BW, CD, DQ, VL, VBMI, VNNI
+
+// Null: the scalar engine draws everything.
+inline row_kernel kernel_of(choice c) { return c == choice::scalar ? nullptr : avx512_kernel(); }
+
+// What a kernel can draw.
+constexpr bool draws(filter f) { return f == filter::nearest || f == filter::bilinear || f == filter::mip_bilinear || f == filter::trilinear; }
 
 }  // namespace spantex::kernels

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+// Planes by a kernel: rows of spans go to it, and what it leaves goes span by span through a renderer. The picture is the same bytes whoever
+// draws a span.
+#pragma once
+#include <stdint.h>
+
+#include <hal/kernels/kernel.hpp>
+#include <spantex/draw.hpp>
+
+namespace spantex::kernels {
+
+// Draws the part of the plane in front of the viewer inside `area` of the frame. `texels` is made of the view `t`; profile default, opaque
+// pixels, colours as coded. What the kernel draws is counted in `counts`, the rest in the renderer's own counters.
+template <class Renderer, class... How>
+status draw_plane(row_kernel kernel, const planar_map& texels, Renderer& scalar, const plane& p, const texture_view& t, filter kind, rectangle area,
+                  const frame_buffer& frame, draw_counters& counts, const How&... how) {
+  constexpr int row_spans = 8;
+  area = intersection(area, {0, 0, frame.width, frame.height});
+  if (area.empty()) return status::ok;
+  const surface s{&p, &t, kind};
+  const int32_t first = area.x0 / span_side, last = (area.x1 - 1) / span_side;
+  for (int32_t sy = area.y0 / span_side; sy <= (area.y1 - 1) / span_side; ++sy)
+    for (int32_t sx = first; sx <= last; sx += row_spans) {
+      span_mask masks[row_spans];
+      const int count = min_of(row_spans, last - sx + 1);
+      for (int k = 0; k < count; ++k) masks[k] = rectangle_mask(area, sx + k, sy);
+      const row_result r = kernel({&p, &texels, kind, t.last_level(), sx, sy, count, masks, frame.pixels, frame.stride});
+      counts.spans_total += uint64_t(count);
+      counts.jobs += uint64_t(count - __builtin_popcount(r.left));
+      counts.divides += r.divides;
+      counts.words_loaded += r.words_loaded;
+      for (int k = 0; k < count; ++k) {
+        if (r.left >> k & 1) SPANTEX_TRY(scalar.draw_span(s, sx + k, sy, masks[k], how...));
+        else counts.pixels += uint64_t(__builtin_popcountll(masks[k]));
+      }
+    }
+  return status::ok;
+}
+
+}  // namespace spantex::kernels
