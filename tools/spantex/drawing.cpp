@@ -21,6 +21,7 @@ std::string stats_json(const sim::draw_result& r, const sim::draw_options& o, st
   j["profile"] = std::string(sim::name_of(sim::profile_names, o.profile));
   j["filter"] = std::string(sim::name_of(sim::filter_names, o.kind));
   j["engine"] = std::string(sim::name_of(sim::engine_names, o.engine));
+  j["kernel"] = std::string(r.kernel);
   j["format"] = std::string(sim::name_of(sim::format_names, r.format));
   j["words_uploaded"] = r.words_uploaded;
   j["alpha"] = std::string(sim::name_of(sim::alpha_names, o.how.alpha));

@@ -163,6 +163,7 @@ void drawing_options::add_to(CLI::App& app, bool with_engine) {
   app.add_option("--field-scale", field_scale, "filter contour: field units per texel across the contour, 1/16..255");
   if (!with_engine) return;
   app.add_option("--engine", engine, list_of(sim::engine_names))->capture_default_str();
+  app.add_option("--kernel", kernel, "who draws planes in profile default, the bytes are the same: " + list_of(sim::kernel_names))->capture_default_str();
   app.add_option("--threads", threads, "threads, each with its own engine")->capture_default_str();
   app.add_option("--repeat", repeat, "draw so often; times are medians")->capture_default_str();
 }
@@ -240,6 +241,9 @@ sim::draw_options drawing_options::resolve() const {
   const bool plain = o.how.alpha == alpha_mode::opaque && !srgb && o.kind != filter::contour;
   if (o.space == sim::sampling_space::object && !plain)
     throw input_error("--space object: draws opaque, coded colours: not with --alpha, --srgb or filter contour");
+  o.kernel = value_of(sim::kernel_names, kernel, "kernel");
+  if (o.kernel == kernels::choice::avx512 && kernels::avx512_kernel() == nullptr)
+    throw input_error("--kernel avx512: this machine has no AVX-512 with VBMI and VNNI");
   o.threads = threads;
   o.repeat = repeat;
   o.single_half = single_half;

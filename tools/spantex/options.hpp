@@ -62,6 +62,7 @@ void check_changes(const sim::profile_changes& c, filter kind);
 // How pictures are drawn.
 struct drawing_options {
   std::string space = "screen", filter = "trilinear", profile = "default", engine = "direct", wrap = "repeat", prefilter = "box", format = "rgba8888", background = "000000";
+  std::string kernel = "fastest";
   int threads = 1, repeat = 1;
   bool single_half = false, srgb = false;
   std::string alpha = "opaque";
