@@ -36,8 +36,10 @@ struct prepared {
 
 prepared prepare(const scene& s, const draw_options& o) {
   const bool wanted = o.profile == profile_choice::standard && o.engine == engine_choice::direct && o.space == sampling_space::screen && kernels::draws(o.kind) &&
-                      !o.single_half && o.how.alpha == alpha_mode::opaque && o.how.colour == white &&
-                      (o.colours == colour_space::coded || o.kind == filter::nearest);
+                      !o.single_half && o.port == nullptr && o.changes == profile_changes{} && o.how.alpha == alpha_mode::opaque && o.how.colour == white &&
+                      (o.kind == filter::nearest || std::all_of(s.maps->begin(), s.maps->end(), [](const texture_map& map) {
+                         return map.view().colours() == colour_space::coded;
+                       }));
   prepared p;
   if (!wanted || std::all_of(s.items.begin(), s.items.end(), [](const drawable& d) { return d.is_polygon; })) return p;
   p.kernel = kernels::kernel_of(o.kernel);

@@ -28,7 +28,7 @@ namespace {
 constexpr profile q = profiles::standard;
 static_assert(q.offset_bits == 31 && q.reciprocal_bits == 30 && q.subtexel_bits == 7 && q.level_bits == 8 && q.blend_bits == 7 && q.fine_side == 16 &&
               q.coordinate_bits <= 16 && q.level_bias == 0 && q.formula == level_formula::jacobian && q.scope == level_scope::pixel &&
-              q.overflow == overflow_policy::split && q.position_rounding == rounding::nearest && q.colour_rounding == rounding::even,
+              q.overflow == overflow_policy::split && q.position_rounding == rounding::nearest && q.exact_set_up && q.colour_rounding == rounding::even,
               "the kernel is written for these");
 static_assert(max_extent_log2 == 12 && reach == 7 && reciprocal_seed_bits == 7);
 
@@ -244,6 +244,14 @@ struct reciprocals16 { v8 even, odd; };
   const int slope_drop = max_of(0, spantex::bit_length(slope) - 31);
   const v8 slope_shift = _mm512_sub_epi64(whole, set(slope_drop + q.reciprocal_bits));
   const v8 g = quotient8(gx, set(slope_drop), iw.y, slope_shift), h = quotient8(gy, set(slope_drop), iw.y, slope_shift);
+
+  // rounding_is_small()
+  if (p.rounding_bits != 0) {
+    const v8 reached = _mm512_sllv_epi64(set(2), _mm512_max_epi64(_mm512_sub_epi64(set(q.offset_bits - 1), exponent), zero));
+    const v8 farthest = _mm512_add_epi64(_mm512_max_epi64(_mm512_abs_epi64(base_u), _mm512_abs_epi64(base_v)), reached);
+    const v8 bits = _mm512_add_epi64(bit_length(_mm512_add_epi64(farthest, set(2))), set(p.rounding_bits + set_up_tolerance_bits));
+    usable &= _mm512_cmplt_epi64_mask(bits, w_bits);
+  }
 
   // choose_evaluation()
   const v8 steepness = times7(_mm512_add_epi64(_mm512_abs_epi64(g), _mm512_abs_epi64(h)));
