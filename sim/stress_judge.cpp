@@ -42,12 +42,13 @@ stress_bounds::stress_bounds(const profile& p) : prof(p) {
     const int extent_log2 = p.offset_bits - 1 - exponent;
     if (extent_log2 > max_extent_log2) continue;
     numerator[exponent] = in_units(numerator_bound(p, extent_log2));
-    affine[exponent] = in_units(affine_bound(p, extent_log2));
-    series[exponent] = in_units(series_bound(p, extent_log2));
-    divide[exponent] = in_units(divide_bound(p, extent_log2));
+    affine[exponent] = in_units(affine_bound(p, extent_log2) - set_up_bound(p));
+    series[exponent] = in_units(series_bound(p, extent_log2) - set_up_bound(p));
+    divide[exponent] = in_units(divide_bound(p, extent_log2) - set_up_bound(p));
   }
   pixel_numerator = in_units(pixel_numerator_bound(p));
-  pixel = in_units(pixel_bound(p));
+  pixel = in_units(pixel_bound(p) - set_up_bound(p));
+  set_up = in_units(set_up_bound(p));
   saturation = in_units(saturation_bound());
   relative_w = in_units(relative_w_bound(p));
   reciprocal = in_units(reciprocal_unit_bound(p));
@@ -84,6 +85,10 @@ class stress_judge::span_under_test {
   const reference& about() const { return reference_; }
   int32_t dx(int i) const { return whole ? half_pixels(i) : 0; }
   int32_t dy(int j) const { return whole ? half_pixels(j) : 0; }
+  // Made from the plane's rounded forms, not from the exact ones.
+  bool is_rounded(int i, int j) const {
+    return map.dropped_bits > 0 && reference_.w_exponent == 0 && reference_.w == (whole ? map.w_at(cx_, cy_) : map.w_at(hx(i), hy(j)));
+  }
   int64_t w0() const { return reference_.w; }
   int64_t w_of(int i, int j) const { return w0() + reference_.g * dx(i) + reference_.h * dy(j); }
   int128 offset_u(int i, int j) const { return reference_.c_u + int128(reference_.a_u) * dx(i) + int128(reference_.b_u) * dy(j); }
@@ -153,6 +158,14 @@ struct stress_judge::evaluated_pixel {
     for (const int axis : {0, 1}) counts[axis] = in_range(numerator[axis], w);
   }
   coordinate position(bool v) const { return v ? at.v : at.u; }
+  // What set-up's rounding can have done to a coordinate: d (1 + |u|) / W, and what the exact forms are cut by.
+  double set_up_error(bool v) const {
+    if (!span.prof.value.exact_set_up || span.map.dropped_bits <= 0) return 0;
+    if (!span.is_rounded(i, j)) return std::ldexp(1.0, -26);
+    const plane& p = span.map;
+    const auto half_units = double(set_up_half_units(span.hx(i) - p.origin_x, span.hy(j) - p.origin_y));
+    return half_units / 2 * (1 + double(ratio(size_of(numerator[v]), w))) / double(p.w_at(span.hx(i), span.hy(j)));
+  }
   stress_stage stage() const { return span.whole ? stage_of(c->how) : stress_stage::pixel; }
 
   span_under_test& span;
@@ -293,6 +306,7 @@ stress_judge::signed_error stress_judge::judge_pixel(span_under_test& span, cons
                        : stage == stress_stage::series   ? bounds_.series[c.exponent]
                                                          : bounds_.divide[c.exponent];
   signed_error result{0, 0, bound, e.counts[0] && e.counts[1]};
+  if (result.counts) result.bound += std::fmin(std::fmax(e.set_up_error(false), e.set_up_error(true)), bounds_.set_up);
   for (const bool v : {false, true}) {
     if (!e.counts[v]) {
       judge_out_of_range(e, v);
@@ -303,7 +317,7 @@ stress_judge::signed_error stress_judge::judge_pixel(span_under_test& span, cons
     ++row_.evaluations;
     row_.adverse += adverse;
     const bool saturates = (e.numerator[v] << 16) > int128(coordinate::raw_max()) * e.w;
-    const double limit = saturates ? bound + bounds_.saturation : bound;
+    const double limit = bound + std::fmin(e.set_up_error(v), bounds_.set_up) + (saturates ? bounds_.saturation : 0);
     note(stage, std::fabs(error), limit, span.at, k);
     judge_axis(e, sampled, v, limit);
   }

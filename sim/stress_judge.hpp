@@ -25,12 +25,13 @@ inline exact_plane exact_plane_of(const homography& m) {
           {int128_of(m.g), int128_of(m.h), int128_of(m.i)}};
 }
 
-// Bounds of one profile as doubles, by the exponent of a span's mantissas where they depend on its reach.
+// Bounds of one profile as doubles, by the exponent of a span's mantissas where they depend on its reach. Of a coordinate without what set-up's
+// rounding may do: that is judged at its own place.
 struct stress_bounds {
   explicit stress_bounds(const profile& p);
   profile prof;
   double numerator[64], affine[64], series[64], divide[64];
-  double pixel_numerator, pixel, saturation, relative_w, reciprocal, level, major_level, log2, snapping[16], colour[2];
+  double pixel_numerator, pixel, set_up, saturation, relative_w, reciprocal, level, major_level, log2, snapping[16], colour[2];
 };
 
 struct stress_map;
