@@ -54,10 +54,11 @@ stress-bench: setup-build setup-test ## every fault of the bench's wires at ever
 	@$(MAKE) --no-print-directory -j$(JOBS) $(B)/tests/bench_faults
 	@SPANTEX_LONG=1 $(B)/tests/bench_faults
 
+GPIO_SIZE ?= 64x48
 test-gpio: setup-build setup-test ## the bench on Debian's kernel with gpio-sim, under emulation: real libgpiod, a device in a second process
 	@tools/setup gpio
 	@$(MAKE) --no-print-directory -j$(JOBS) $(B)/spantex $(B)/gpio/device
-	@tests/gpio/run.py --build $(B)
+	@tests/gpio/run.py --build $(B) --size $(GPIO_SIZE)
 
 $(B)/gpio/device: tests/gpio/device.cpp
 	@mkdir -p $(@D)

@@ -73,6 +73,7 @@ status bench_link::wait_for(Wanted wanted, uint64_t limit_ns, bench_exit otherwi
     if (wanted(s)) return status::ok;
     const uint64_t now = lines_.now_ns();
     if (now >= end) return gave_up(end == step_end ? otherwise : bench_exit::exchange_too_long, status::device_timeout);
+    if (now - begun < limits_.spin_ns) continue;
     const status waited = called(lines_.wait_edge(end - now));
     if (waited != status::ok && waited != status::device_timeout) return waited;
   }

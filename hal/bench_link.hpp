@@ -16,6 +16,7 @@ struct bench_limits {
   uint64_t exchange_ns = 5'000'000'000;  // a command and its answer, repetitions included
   uint64_t compute_ns = 5'000'000'000;   // a span
   uint64_t back_off_ns = 50'000;         // before the second attempt; doubled before each further one
+  uint64_t spin_ns = 0;                  // lines are read again and again for so long before their edges are waited for
   uint64_t patience_ns = 0;              // how long a device that is gone is waited for
   int attempts = 4;                      // of one command
   int recoveries = 3;                    // by reset, of one operation

@@ -255,6 +255,7 @@ status gpiod_lines::failed(const std::string& what, int error) {
     case EACCES: case EPERM: meaning = "no permission, is the user in the group of the chip's device file? "; break;
     case ENODEV: case ENXIO: meaning = "the chip is gone, "; break;
     case ENOTTY: case EINVAL: case EOPNOTSUPP: meaning = "the kernel or the chip does not know this request, "; break;
+    case ENOENT: meaning = what.empty() ? "no such chip, or none that this user may open, " : ""; break;
     default: break;
   }
   trouble_ = rig_.chip + (what.empty() ? "" : ", " + what) + ": " + meaning + "(" + strerror(error) + ")";

@@ -71,11 +71,12 @@ bench_rig load_rig(const std::string& path) {
   number<uint64_t>(path, top, "settle_ns", 1, hour_ns, rig.settle_ns);
   if (!top.contains("limits")) return rig;
   const json& limits = top["limits"];
-  only_known(path, limits, {"step_ns", "exchange_ns", "compute_ns", "back_off_ns", "patience_ns", "attempts", "recoveries"}, "'limits'");
+  only_known(path, limits, {"step_ns", "exchange_ns", "compute_ns", "back_off_ns", "spin_ns", "patience_ns", "attempts", "recoveries"}, "'limits'");
   number<uint64_t>(path, limits, "step_ns", 1, hour_ns, rig.limits.step_ns);
   number<uint64_t>(path, limits, "exchange_ns", 1, hour_ns, rig.limits.exchange_ns);
   number<uint64_t>(path, limits, "compute_ns", 1, hour_ns, rig.limits.compute_ns);
   number<uint64_t>(path, limits, "back_off_ns", 1, hour_ns, rig.limits.back_off_ns);
+  number<uint64_t>(path, limits, "spin_ns", 0, hour_ns, rig.limits.spin_ns);
   number<uint64_t>(path, limits, "patience_ns", 0, hour_ns, rig.limits.patience_ns);
   number(path, limits, "attempts", 1, 100, rig.limits.attempts);
   number(path, limits, "recoveries", 0, 100, rig.limits.recoveries);

@@ -10,7 +10,7 @@ namespace spantex::sim {
 
 struct bench_rig {
   gpiod_rig gpio;
-  bench_limits limits{};
+  bench_limits limits{.spin_ns = 200'000};  // waking up from an edge takes longer than most devices
   uint64_t settle_ns = 5'000'000;  // self-test: the device's longest time to follow a change of the lines
 };
 

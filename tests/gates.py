@@ -24,6 +24,11 @@ PACKS = MAPS + ["sim/pack.cpp", "sim/inverse_filter.cpp"]
 FIELDS = PACKS + ["sim/distance_field.cpp"]
 LIBRARIES = {"bc": ["-lsquish"]}  # that a suite links
 
+BENCH = ["hal/bench_engine.cpp", "hal/bench_link.cpp", "sim/bench_wires.cpp"]
+GPIOD = [*BENCH, "hal/gpiod_lines.cpp", "-DSPANTEX_GPIOD_VERSION=1", "-lgpiod", *(f"-Wl,--wrap=gpiod_{f}" for f in (
+    "chip_open_lookup", "chip_close", "chip_get_line", "chip_find_line", "line_is_used", "line_consumer", "line_request_bulk", "line_release_bulk",
+    "line_set_direction_input_bulk", "line_set_direction_output_bulk", "line_set_value_bulk", "line_get_value_bulk", "line_event_wait_bulk", "line_event_read"))]
+
 # name, file, what stands there, what it is broken into, suite, case, further sources the suite links
 GATES = [
     ("one Newton step less", F + "reciprocal.hpp", "return newton_step(m, y);", "return y;", "reciprocal", "wide_reciprocal*", []),
@@ -56,7 +61,7 @@ GATES = [
     ("wrap off by one", F + "wrap.hpp", "return k < size ? k : period - 1 - k;", "return k < size ? k : period - k;", "wrap", "*", []),
     ("halves of the engine not told apart", "hal/direct_engine.hpp", "one_half& x = halves_[int(h)];\n    SPANTEX_TRY(x.life.may_load());\n    return x.texels",
      "one_half& x = halves_[0];\n    SPANTEX_TRY(x.life.may_load());\n    return x.texels", "draw", "*", []),
-    ("ownership not checked", "hal/engine.hpp", "if (busy_) return status::half_busy;\n    if (!ready_)", "if (!ready_)", "hal_conformance", "*", ["sim/trace.cpp"]),
+    ("ownership not checked", "hal/engine.hpp", "if (busy_) return status::half_busy;\n    if (!ready_)", "if (!ready_)", "hal_conformance", "*", ["sim/trace.cpp", *BENCH]),
     ("W = 0 drawn", F + "coverage.hpp", "if (value > 0) mask |=", "if (value >= 0) mask |=", "coverage", "front_masks*", []),
     ("vertices snapped downwards", F + "polygon.hpp", "const int64_t n = x * (int64_t(2) << subpixel_bits) + z,", "const int64_t n = x * (int64_t(2) << subpixel_bits),",
      "polygon", "vertices_snap*", []),
@@ -101,6 +106,22 @@ GATES = [
      "exact_references*", []),
     ("exact forms cut to 20 bits of W", F + "coordinates.hpp", "exact_w_bits = 45,", "exact_w_bits = 20,", "coordinates", "exact_references*", []),
     ("exact forms not the caller's", F + "plane.hpp", "    p.exact_v = v;", "    p.exact_v = u;", *STRESS),
+    # the bench
+    ("bench: CRC-16 not compared", "firmware/bench/frame.hpp", "return refuse(result::bad_crc);", "(void)0;", "bench_faults", "every_lie*", BENCH),
+    ("bench: seal of answers not compared", "hal/bench_link.cpp", "if (!answer_.sealed_with(session)) return", "if (false) return", "bench_faults", "every_lie*", BENCH),
+    ("bench: answers of another sequence taken", "hal/bench_link.cpp", " || answer_.sequence() != sequence_)", ")", "bench_faults", "every_lie*", BENCH),
+    ("bench: repeated frames executed again", "firmware/bench/responder.hpp", "if (has_executed_ && request_.command() == executed_command_",
+     "if (false && request_.command() == executed_command_", "bench_faults", "every_fault*", BENCH),
+    ("bench: half bytes exchanged", "firmware/bench/port.hpp", "upper_out_ ? held_out_ & 15 : held_out_ >> 4", "upper_out_ ? held_out_ >> 4 : held_out_ & 15", "bench_faults",
+     "sound*", BENCH),
+    ("bench: state not restored", "hal/bench_engine.cpp", "SPANTEX_TRY(restore(h));", "(void)h;", "bench_faults", "a_device_that_restarts*", BENCH),
+    ("bench: loss of the other half not reported", "hal/bench_engine.cpp", "if (k != h && !memory_[int(k)].empty()) unreported_", "if (false) unreported_", "bench_faults",
+     "a_device_that_is_gone*", BENCH),
+    ("bench: lines left driven when the device is gone", "hal/bench_engine.cpp", "  connected_ = false;\n  link_.lines().release_all();\n  return why", "  connected_ = false;\n  return why",
+     "bench_faults", "a_device_that_is_gone*", BENCH),
+    ("bench: control lines stay outputs", "hal/gpiod_lines.cpp", "if (control_driven) control_driven = gpio::make_inputs(control) != 0;", "", "gpiod_lines", "lines_become*", GPIOD),
+    ("bench: echo that does not turn", "firmware/bench/port.hpp", "latched_ << 1 | latched_ >> (DataBits - 1)", "latched_", "bench_self_test", "every_single*",
+     [*BENCH, "sim/bench_self_test.cpp"]),
     # wrap modes
     ("repeat without its sign", F + "wrap.hpp", "if (k < 0) k += period;", "(void)0;", "wrap", "every_size*", []),
     ("mirror like repeat", F + "wrap.hpp", "mode == wrap::mirror ? 2 * size : size", "size", "wrap", "large_sizes*", []),

@@ -18,7 +18,6 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 LINES = ["D0", "D1", "D2", "D3", "D4", "D5", "D6", "D7", "clock", "direction", "command", "reset", "ready", "busy", "error"]
 SOURCES = ["drivers/gpio/gpio-sim.c", "drivers/gpio/gpiolib.h", "kernel/irq/irq_sim.c"]
 LIMIT_S = 1200
-SIZE = "48x40"
 
 
 def run(command, **kw):
@@ -62,11 +61,11 @@ def libraries_of(program):
     return re.findall(r"(/\S+) \(0x", subprocess.run(["ldd", str(program)], capture_output=True, text=True).stdout)
 
 
-def make_root(root, build, release):
+def make_root(root, build, release, size):
     shutil.rmtree(root, ignore_errors=True)
     for name in ("bin", "lib", "lib64", "modules", "proc", "sys", "dev", "tmp", "etc"):
         (root / name).mkdir(parents=True)
-    (root / "init").write_text((ROOT / "tests/gpio/init").read_text().replace("SIZE", SIZE))
+    (root / "init").write_text((ROOT / "tests/gpio/init").read_text().replace("SIZE", size))
     (root / "init").chmod(0o755)
     (root / "etc/passwd").write_text("root::0:0::/:/bin/sh\nnobody::65534:65534::/:/bin/sh\n")
     shutil.copy("/bin/busybox", root / "bin/busybox")
@@ -98,7 +97,7 @@ def pack(root, image):
 
 
 def boot(release, image):
-    command = ["qemu-system-x86_64", "-accel", "tcg", "-smp", "2", "-M", "microvm,acpi=off,pit=on,pic=on,rtc=on,isa-serial=on", "-m", "512", "-no-reboot", "-monitor", "none",
+    command = ["qemu-system-x86_64", "-accel", "tcg", "-smp", "2", "-M", "pc", "-m", "512", "-no-reboot", "-monitor", "none",
                "-serial", "stdio", "-display", "none", "-nic", "none", "-device", "isa-debug-exit,iobase=0xf4,iosize=0x04", "-kernel", f"/boot/vmlinuz-{release}",
                "-initrd", str(image), "-append", "console=ttyS0 quiet panic=-1 reboot=t"]
     machine = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace")
@@ -118,10 +117,12 @@ def boot(release, image):
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build")
-    build = parser.parse_args().build.resolve()
+    parser.add_argument("--size", default="64x48", help="of the pictures")
+    options = parser.parse_args()
+    build = options.build.resolve()
     release = kernel_release()
     build_modules(build / "gpio/modules", release)
-    make_root(build / "gpio/root", build, release)
+    make_root(build / "gpio/root", build, release, options.size)
     pack(build / "gpio/root", build / "gpio/initrd.gz")
     begun = time.monotonic()
     code, lines = boot(release, build / "gpio/initrd.gz")

@@ -260,6 +260,17 @@ CASES = [
     (plane(texture="srgb.stx", space="object"), ["object space", "sRGB"]),
     (["prefilters", "--level", "5"], ["--level", "1..4"]),
     (["prefilters", "--texture", "missing.png"], ["missing.png"]),
+    # the bench
+    (["bench-rig"], ["subcommand"]),
+    (["bench-rig", "identify"], ["--rig", "--simulated"]),
+    (["bench-rig", "identify", "--rig", "good.png", "--simulated"], ["--rig", "--simulated"]),
+    (["bench-rig", "identify", "--rig", "missing.json"], ["missing.json", "No such file"]),
+    (["bench-rig", "identify", "--rig", "good.png"], ["good.png", "not JSON"]),
+    (["bench-rig", "self-test", "--simulated", "--data-bits", "5"], ["--data-bits", "8 or 4"]),
+    (["bench-rig", "run", "tilted", "--simulated", "--size", "8x8", "--profile", "huge"], ["profile", "huge"]),
+    (["bench-rig", "run", "tilted", "--simulated", "--size", "8x8", "--space", "object"], ["screen space"]),
+    (["bench-rig", "run", "tilted", "--simulated", "--size", "8x8", "--json", "no/j.json"], ["no/j.json", "cannot write"]),
+    (["bench-rig", "replay", "good.png"], ["good.png", "not a recording"]),
     # texture packs
     *[(plane(texture=name), [name, why]) for name, (_, why) in PACKS.items()],
     *[(render("tilted", "--texture", name), [name, why]) for name, (_, why) in PACKS.items()],

@@ -133,6 +133,12 @@ void every_fault_at_every_call(void**) {
     judge(bench, {late}, clean);
     const std::lock_guard guard(lock);
     if (clean.right != 1) std::abort();
+    // What happens once and for a moment is mended: by a repetition, or by a new session.
+    const bool momentary = fault.calls == 1 && fault.kind >= wire_fault_kind::flipped_at_host && fault.kind <= wire_fault_kind::restarts;
+    if (momentary && t.refused != 0) {
+      fprintf(stderr, "%s: not mended\n", fault.text().c_str());
+      std::abort();
+    }
     tally& row = table[int(fault.kind)];
     row.runs += t.runs;
     row.right += t.right;

@@ -177,16 +177,16 @@ void self_test(const identify_options& o) {
   }
   printf("wires           sound: %d levels compared\n", r.steps);
 
-  // Frames too, with every byte value in every place of a short one.
+  // Frames too: every byte.
   bench_engine engine(*c.lines, numbers_of(p), c.rig.limits, some_seed());
   if (engine.connect() != status::ok) c.give_up(engine.trouble());
   uint8_t bytes[16];
-  for (int k = 0; k < 256; ++k) {
-    for (int n = 0; n < 16; ++n) bytes[n] = uint8_t(k + 17 * n);
+  for (int k = 0; k < 16; ++k) {
+    for (int n = 0; n < 16; ++n) bytes[n] = uint8_t(16 * k + n);
     if (engine.loop_back(bytes, 16) != status::ok) c.give_up(engine.trouble());
   }
   engine.close();
-  printf("loop-back       256 frames of 16 bytes, %llu retries\n", static_cast<unsigned long long>(engine.counters().attempts - engine.counters().exchanges));
+  printf("loop-back       16 frames of 16 bytes, %llu retries\n", static_cast<unsigned long long>(engine.counters().attempts - engine.counters().exchanges));
   j["loop_back"] = json_of(engine.counters());
   write_json(o.rig, j);
 }
