@@ -18,7 +18,7 @@ F = "firmware/spantex/"
 STRESS = ["stress", "a_short_run*", [f"sim/stress{part}.cpp" for part in ("", "_describe", "_footprints", "_judge", "_planes", "_polygons")]]
 OBJECT_SPACE = ["sim/" + name + ".cpp" for name in ("distance_field", "draw_host", "encode", "encode_bc", "encode_etc", "figures", "file", "ideal",
                                                     "image", "map", "object_space_host", "palette", "pattern", "prefilter", "quality", "reference",
-                                                    "scene", "trace", "world")]
+                                                    "scene", "trace", "world")] + ["hal/kernels/avx512.cpp", "hal/kernels/planar_map.cpp"]
 MAPS = ["sim/" + name + ".cpp" for name in ("encode", "encode_bc", "encode_etc", "file", "image", "map", "palette", "pattern", "prefilter")]
 PACKS = MAPS + ["sim/pack.cpp", "sim/inverse_filter.cpp"]
 FIELDS = PACKS + ["sim/distance_field.cpp"]
@@ -131,9 +131,9 @@ GATES = [
     ("shorter column of the Jacobian", F + "level.hpp", "c.level_row[j] > c.level_column[i] ?", "c.level_row[j] < c.level_column[i] ?", "level", "default_profile*", []),
     ("gradients without their twist", F + "level.hpp", "detail::log2_length(ux + twist_u * half, vx + twist_v * half, c.exponent)",
      "detail::log2_length(ux, vx, c.exponent)", "level", "exact_profile*", []),
-    ("level of a pixel about itself off", F + "level.hpp", "(1 << 16) - 2 * log2_16(uint64_t(r.w))", "(2 << 16) - 2 * log2_16(uint64_t(r.w))", "level", "spans_across*", []),
+    ("level of a pixel about itself off", F + "level.hpp", "(1 << 16) - 2 * log2_16(uint64_t(p.w_at(hx, hy)))", "(2 << 16) - 2 * log2_16(uint64_t(p.w_at(hx, hy)))", "level", "spans_across*", []),
     ("major axis by one interval", F + "plane.hpp", "return max_of(g.x, g.y) + (2 << 16);", "return max_of(g.x, g.y) + (1 << 16);", "level", "the_major*", []),
-    ("major axis with log2 W once", F + "level.hpp", "p.major_log2 - 2 * log2_16(uint64_t(r.w))", "p.major_log2 - log2_16(uint64_t(r.w))", "level", "the_major*", []),
+    ("major axis with log2 W once", F + "level.hpp", "p.major_log2 - 2 * log2_16(", "p.major_log2 - log2_16(", "level", "the_major*", []),
     ("KT88's camera: half the axis", F + "plane.hpp", "(log2_16(magnitude(d)) - (16 << 16)) + (1 << 16);", "(log2_16(magnitude(d)) - (16 << 16));", "plane",
      "kt88_levels*", []),
     ("level bias in eighths", F + "level.hpp", "level += q.level_bias * (1 << 12);", "level += q.level_bias * (1 << 13);", "level", "the_bias*", []),
@@ -268,8 +268,8 @@ GATES = [
      "footprint_properties", "pixels_are*", []),
     ("areas of hat halved upwards", F + "area.hpp", "weight[n] = shift_right(weight[n], 1);", "weight[n] = (weight[n] >> 1) + 8;", *STRESS),
     ("columns without their perspective", F + "footprint.hpp", "return {c.a_u - slope(c.c_u, c.g), c.b_u - slope(c.c_u, c.h),", "return {c.a_u, c.b_u,", *STRESS),
-    ("contours by the nearest twelfth bit down", F + "contour.hpp", "const int64_t distance = scale_down(product, detail::field_bits + prof.get().level_bits - int(whole));",
-     "const int64_t distance = scale_down(product, detail::field_bits + prof.get().level_bits - int(whole)) * 63 / 64;", *STRESS),
+    ("contours by the nearest twelfth bit down", F + "contour.hpp", "const int64_t distance = scale_down(product, detail::field_bits + level_bits - int(log2 >> 16));",
+     "const int64_t distance = scale_down(product, detail::field_bits + level_bits - int(log2 >> 16)) * 63 / 64;", *STRESS),
     ("rows with half their samples", F + "footprint.hpp", "return {level, clamp_to(int(samples), 1, q.max_samples)};", "return {level, clamp_to(int(samples) / 2, 1, q.max_samples)};",
      "conformance", "aniso_of_exact*", ["sim/verifier.cpp"]),
     ("depth test reversed", F + "draw.hpp", "if (z <= stored) continue;", "if (z > stored) continue;", "polygon", "the_nearer*", []),
