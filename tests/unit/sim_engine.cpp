@@ -159,14 +159,14 @@ SPANTEX_CASE(every_latency_costs_what_it_says) {
   assert_int_equal(with(&latencies::burst_start_cycles, t.burst_start_cycles + 3).total_cycles, base.total_cycles + 3 * jobs);
 }
 
-// Small enough to follow by hand: 4 + 2 cycles of words, 15 of coefficients, then 3 pixels and 11 cycles of pipeline.
+// Small enough to follow by hand: 4 + 2 cycles of words, 16 of coefficients, then 3 pixels and 11 cycles of pipeline.
 SPANTEX_CASE(times_of_a_job_worked_out_by_hand) {
   static kept_trace trace;
   static sim_engine<seed_profile> engine({}, one_word_port(), &trace);
   static const uint64_t words[2] = {};
   static const span_coefficients c{};
   static span_pixels pixels;
-  assert_int_equal(latencies{}.coefficient_words, 15);
+  assert_int_equal(latencies{}.coefficient_words, 16);
   SPANTEX_ASSERT_OK(engine.load_words(half::first, 0, words, 2));
   SPANTEX_ASSERT_OK(engine.load_coefficients(half::first, c));
   SPANTEX_ASSERT_OK(engine.load_words(half::second, 0, words, 2));
@@ -174,21 +174,21 @@ SPANTEX_CASE(times_of_a_job_worked_out_by_hand) {
   SPANTEX_ASSERT_OK(engine.load_coefficients(half::second, c));
   SPANTEX_ASSERT_OK(engine.start(half::second, 1));
   SPANTEX_ASSERT_OK(engine.take(half::first, pixels));
-  assert_int_equal(engine.host_time(), 35);
+  assert_int_equal(engine.host_time(), 36);
   SPANTEX_ASSERT_OK(engine.take(half::second, pixels));
-  assert_int_equal(engine.host_time(), 50);
+  assert_int_equal(engine.host_time(), 52);
   assert_int_equal(trace.loads[0].time.end, 6);
-  assert_int_equal(trace.loads[1].time.end, 21);
-  assert_int_equal(trace.loads[2].time.end, 23);
-  assert_int_equal(trace.loads[3].time.end, 38);
-  assert_int_equal(trace.computes[0].issue.begin, 21);
-  assert_int_equal(trace.computes[0].issue.end, 24);
-  assert_int_equal(trace.computes[0].end, 35);
-  assert_int_equal(trace.computes[1].issue.begin, 38);
-  assert_int_equal(engine.counters().load_cycles, 38);
-  assert_int_equal(engine.counters().hidden_load_cycles, 3);   // cycles 21 to 24
-  assert_int_equal(engine.counters().stall_cycles, 14);        // cycles 24 to 38
-  assert_int_equal(engine.counters().total_cycles, 50);
+  assert_int_equal(trace.loads[1].time.end, 22);
+  assert_int_equal(trace.loads[2].time.end, 24);
+  assert_int_equal(trace.loads[3].time.end, 40);
+  assert_int_equal(trace.computes[0].issue.begin, 22);
+  assert_int_equal(trace.computes[0].issue.end, 25);
+  assert_int_equal(trace.computes[0].end, 36);
+  assert_int_equal(trace.computes[1].issue.begin, 40);
+  assert_int_equal(engine.counters().load_cycles, 40);
+  assert_int_equal(engine.counters().hidden_load_cycles, 3);   // cycles 22 to 25
+  assert_int_equal(engine.counters().stall_cycles, 15);        // cycles 25 to 40
+  assert_int_equal(engine.counters().total_cycles, 52);
   assert_int_equal(engine.counters().words_loaded, 4);
 }
 
@@ -278,10 +278,10 @@ SPANTEX_CASE(violations_are_refused_recorded_and_named) {
   assert_string_equal(guard.at(0).text().c_str(), "take of half 1 at cycle 0: half was not started");
   assert_string_equal(guard.at(1).text().c_str(), "start of half 0 at cycle 0: half is not loaded");
   assert_string_equal(guard.at(2).text().c_str(), "load_words of half 0 at cycle 0: word address beyond local texture memory");
-  assert_string_equal(guard.at(3).text().c_str(), "load_words of half 0 at cycle 20: half is busy (last computing in cycles 19 to 31)");
+  assert_string_equal(guard.at(3).text().c_str(), "load_words of half 0 at cycle 20: half is busy (last computing in cycles 20 to 32)");
   assert_string_equal(guard.at(4).text().c_str(),
-                      "load_coefficients of half 0 at cycle 20: half is busy (last computing in cycles 19 to 31)");
-  assert_string_equal(guard.at(5).text().c_str(), "start of half 0 at cycle 20: half is busy (last computing in cycles 19 to 31)");
+                      "load_coefficients of half 0 at cycle 20: half is busy (last computing in cycles 20 to 32)");
+  assert_string_equal(guard.at(5).text().c_str(), "start of half 0 at cycle 20: half is busy (last computing in cycles 20 to 32)");
 }
 
 SPANTEX_CASE(violations_beyond_the_kept_ones_are_counted) {
