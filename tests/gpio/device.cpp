@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The device's end of the bench as a process beside the kernel's gpio-sim: what the host drives is read from the lines' values, what the device drives is
-// set as their pulls.   device DIRECTORY PROFILE   (the directory that holds sim_gpio0 ...; lines 0..7 data, 8 clock, 9 direction, 10 command,
-// 11 reset, 12 ready, 13 busy, 14 error)
+// set as their pulls.   device DIRECTORY PROFILE [BYTES FILE]   (the directory that holds sim_gpio0 ...; lines 0..7 data, 8 clock, 9 direction, 10 command,
+// 11 reset, 12 ready, 13 busy, 14 error). After so many bytes it makes the file, so that something can be done to it in the middle of a picture.
 #include <fcntl.h>
 #include <sched.h>
 #include <stdio.h>
@@ -23,7 +23,7 @@ constexpr int clock_line = 8, direction_line = 9, command_line = 10, reset_line 
 
 class sysfs_pins {
  public:
-  explicit sysfs_pins(const std::string& directory) {
+  sysfs_pins(const std::string& directory, long bytes, const char* file) : bytes_left_(bytes), file_(file) {
     for (int k = 0; k < line_count; ++k) {
       const std::string line = directory + "/sim_gpio" + std::to_string(k);
       values_[k] = opened(line + "/value", O_RDONLY);
@@ -55,6 +55,7 @@ class sysfs_pins {
     if (s.busy != shown_.busy || first_) pull(busy_line, s.busy);
     if (s.error != shown_.error || first_) pull(error_line, s.error);
     if (s.ready != shown_.ready || first_) pull(ready_line, s.ready);
+    if (s.ready && !shown_.ready && --bytes_left_ == 0) close(open(file_, O_CREAT | O_WRONLY, 0600));
     shown_ = s;
     first_ = false;
   }
@@ -79,6 +80,8 @@ class sysfs_pins {
   int values_[line_count], pulls_[line_count];
   bench::status_lines shown_{};
   bool first_ = true;
+  long bytes_left_;
+  const char* file_;
 };
 
 template <profile P>
@@ -94,8 +97,8 @@ template <profile P>
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 3) return fprintf(stderr, "usage: device DIRECTORY PROFILE\n"), 2;
-  sysfs_pins pins(argv[1]);
+  if (argc != 3 && argc != 5) return fprintf(stderr, "usage: device DIRECTORY PROFILE [BYTES FILE]\n"), 2;
+  sysfs_pins pins(argv[1], argc == 5 ? atol(argv[3]) : -1, argc == 5 ? argv[4] : "");
   const std::string name = argv[2];
   if (name == "seed") serve<profiles::seed>(pins);
   if (name == "default") serve<profiles::standard>(pins);
