@@ -239,6 +239,13 @@ draw_result draw(const scene& s, const draw_options& options) {
   std::vector<double> times;
   for (int k = 0; k < std::max(1, options.repeat); ++k) 
     times.push_back(options.space == sampling_space::object ? draw_in_object_space(s, options, result) : draw_once(s, options, ready, bands, result, depth));
+  if (ready.kernel != nullptr && options.counted) {
+    const image by_kernel = result.picture;
+    draw_options quiet = options;
+    quiet.parts_done = nullptr;
+    draw_once(s, quiet, {}, bands, result, depth);
+    if (by_kernel.pixels != result.picture.pixels) throw std::logic_error(s.name + ": kernel and engine differ");
+  }
   std::nth_element(times.begin(), times.begin() + std::ptrdiff_t(times.size() / 2), times.end());
   result.ns_per_pixel = times[times.size() / 2] / double(result.picture.pixels.size());
   return result;

@@ -84,6 +84,7 @@ struct draw_options {
   std::optional<uint16_t> threshold, field_scale;  // of contours, u8.8, instead of the maps' own
   std::optional<uint8_t> outline;                  // 1/16 pixel, likewise
   rgba8 background{0, 0, 0, 255};
+  bool counted = false;              // work is the engine's also where a kernel drew: the engine draws once more, untimed, the same picture
   kernels::choice kernel = kernels::choice::fastest;  // profile default, engine direct, planes, opaque, colours as coded: same bytes
   int threads = 1;
   int repeat = 1;

@@ -401,8 +401,6 @@ struct quad_section {
   __mmask64 merged;  // columns from far
 };
 
-constexpr uint32_t words_of_section = 4 * block_bytes / 8;
-
 constexpr uint64_t columns_below[block_side] = {0, 0x0101010101010101, 0x0303030303030303, 0x0707070707070707, 0x0F0F0F0F0F0F0F0F, 0x1F1F1F1F1F1F1F1F,
                                                 0x3F3F3F3F3F3F3F3F, 0x7F7F7F7F7F7F7F7F};
 
@@ -681,12 +679,11 @@ struct quad_reach { int32_t low[2][quads], high[2][quads]; };
 
 // One level's colours of a quad, with what rounds added.
 [[gnu::always_inline]] inline bool blend_level(const planar_map& map, const offsets& o, int n, int32_t base_u, int32_t base_v, int level, const quad_reach& r,
-                                               int32_t rounding, v16 (&out)[channel_count], uint32_t& words) {
+                                               int32_t rounding, v16 (&out)[channel_count]) {
   if (level >= map.level_count()) return false;
   const samples s = samples16(snapped16(o, n, base_u, base_v, level));
   quad_section at;
   bool wide;
-  words += words_of_section;
   if (!find_section(map, level, r, n, at, wide)) {
     for (v16& c : out) c = _mm512_setzero_si512();
     return blend_in_parts(map, o, n, base_u, base_v, level, s, rounding, out);
@@ -740,12 +737,11 @@ struct quad_reach { int32_t low[2][quads], high[2][quads]; };
   return _mm512_packus_epi16(_mm512_packus_epi32(c[0], c[1]), _mm512_packus_epi32(c[2], c[3]));
 }
 
-[[gnu::always_inline]] inline bool draw_bilinear(const row_work& work, const batch& b, int k, uint32_t& words) {
+[[gnu::always_inline]] inline bool draw_bilinear(const row_work& work, const batch& b, int k) {
   const offsets o = offsets_of(b, k);
   const planar_level& texels = work.texels->level(0);
   const int32_t u = b.base_u[k], v = b.base_v[k];
   v16 out[quads];
-  words = quads * words_of_section;
   if (b.placed & ~b.wide & (1u << k)) {
 #pragma GCC unroll 4
     for (int n = 0; n < quads; ++n) out[n] = bilinear16<false>(section_of(b, texels.origin, k, n), samples16(snapped16(o, n, u, v, 0)));
@@ -755,7 +751,7 @@ struct quad_reach { int32_t low[2][quads], high[2][quads]; };
       const samples s = samples16(snapped16(o, n, u, v, 0));
       quad_section at;
       bool wide;
-      if (!find_section(*work.texels, 0, r, n, at, wide)) words -= words_of_section - quad_side * quad_side * 2, out[n] = bilinear_gathered(*work.texels, o, n, u, v, s);
+      if (!find_section(*work.texels, 0, r, n, at, wide)) out[n] = bilinear_gathered(*work.texels, o, n, u, v, s);
       else out[n] = wide ? bilinear16<true>(at, s) : bilinear16<false>(at, s);
     }
   }
@@ -763,8 +759,7 @@ struct quad_reach { int32_t low[2][quads], high[2][quads]; };
   return true;
 }
 
-[[gnu::always_inline]] inline bool draw_nearest(const row_work& work, const batch& b, int k, uint32_t& words) {
-  words = span_pixel_count / 2;
+[[gnu::always_inline]] inline bool draw_nearest(const row_work& work, const batch& b, int k) {
   const offsets o = offsets_of(b, k);
   const planar_map& map = *work.texels;
   const v16 half = set32(int32_t(o.half)), bits = set32(o.bits), base_u = set32(b.base_u[k]), base_v = set32(b.base_v[k]), width = set32(map.width());
@@ -794,7 +789,7 @@ struct quad_reach { int32_t low[2][quads], high[2][quads]; };
 }
 
 template <bool TwoLevels>
-[[gnu::always_inline]] inline bool draw_by_level(const row_work& work, const batch& b, int k, uint32_t& words) {
+[[gnu::always_inline]] inline bool draw_by_level(const row_work& work, const batch& b, int k) {
   const offsets o = offsets_of(b, k);
   v16 level[quads], out[quads];
   levels_of(work, b, k, o, level);
@@ -808,11 +803,11 @@ template <bool TwoLevels>
       const int at = _mm_cvtsi128_si32(_mm512_castsi512_si128(_mm512_maskz_compress_epi32(rest, whole)));
       const __mmask16 these = _mm512_cmpeq_epi32_mask(whole, set32(at));
       v16 fine[channel_count], colour;
-      if (!blend_level(*work.texels, o, n, u, v, at, r, TwoLevels ? 1 << 8 : before_even, fine, words)) return false;
+      if (!blend_level(*work.texels, o, n, u, v, at, r, TwoLevels ? 1 << 8 : before_even, fine)) return false;
       if constexpr (TwoLevels) {
         v16 coarse[channel_count];
         const int next = min_of(at + 1, work.last_level);
-        if (!blend_level(*work.texels, o, n, u, v, next, r, 1 << 8, coarse, words)) return false;
+        if (!blend_level(*work.texels, o, n, u, v, next, r, 1 << 8, coarse)) return false;
         colour = between_levels16(fine, coarse, level_weights16(_mm512_and_si512(level[n], set32(255))));
       } else {
 #pragma GCC unroll 4
@@ -828,27 +823,24 @@ template <bool TwoLevels>
 }
 
 template <filter Kind>
-row_result draw_row(const row_work& work) {
+uint32_t draw_row(const row_work& work) {
   batch b;
   plan(work, b);
-  row_result result;
+  uint32_t left = 0;
   for (int k = 0; k < work.count; ++k) {
     if (work.masks[k] == 0) continue;
     bool drawn = b.usable >> k & 1;
-    uint32_t words = 0;
     if (drawn) {
-      if constexpr (Kind == filter::nearest) drawn = draw_nearest(work, b, k, words);
-      else if constexpr (Kind == filter::bilinear) drawn = draw_bilinear(work, b, k, words);
-      else drawn = draw_by_level<Kind == filter::trilinear>(work, b, k, words);
+      if constexpr (Kind == filter::nearest) drawn = draw_nearest(work, b, k);
+      else if constexpr (Kind == filter::bilinear) drawn = draw_bilinear(work, b, k);
+      else drawn = draw_by_level<Kind == filter::trilinear>(work, b, k);
     }
-    if (!drawn) { result.left |= 1u << k; continue; }
-    result.words_loaded += words;
-    result.divides += 1 + (b.terms[k] == divide_terms ? uint32_t(__builtin_popcountll(work.masks[k])) : 0);
+    if (!drawn) left |= 1u << k;
   }
-  return result;
+  return left;
 }
 
-row_result draw_any_row(const row_work& work) {
+uint32_t draw_any_row(const row_work& work) {
   switch (work.kind) {
     case filter::nearest: return draw_row<filter::nearest>(work);
     case filter::bilinear: return draw_row<filter::bilinear>(work);
@@ -856,7 +848,7 @@ row_result draw_any_row(const row_work& work) {
     case filter::trilinear: return draw_row<filter::trilinear>(work);
     default: break;
   }
-  return {(1u << work.count) - 1, 0};
+  return (1u << work.count) - 1;
 }
 
 }  // namespace

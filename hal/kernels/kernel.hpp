@@ -22,13 +22,8 @@ struct row_work {
   int32_t stride;
 };
 
-struct row_result {
-  uint32_t left = 0;       // bit k: span k was not drawn
-  uint32_t divides = 0;    // reciprocals
-  uint32_t words_loaded = 0;  // 64-bit words read from the map
-};
-
-using row_kernel = row_result (*)(const row_work&);
+// Returns the spans that it left: bit k is span k.
+using row_kernel = uint32_t (*)(const row_work&);
 
 enum class choice : uint8_t { fastest, scalar, avx512 };
 

@@ -10,7 +10,7 @@
 namespace spantex::kernels {
 
 // Draws the part of the plane in front of the viewer inside `area` of the frame. `texels` is made of the view `t`; profile default, opaque
-// pixels, colours as coded. What the kernel draws is counted in `counts`, the rest in the renderer's own counters.
+// pixels, colours as coded. Spans and pixels that the kernel draws are counted in `counts`, the rest in the renderer's own counters.
 template <class Renderer, class... How>
 status draw_plane(row_kernel kernel, const planar_map& texels, Renderer& scalar, const plane& p, const texture_view& t, filter kind, rectangle area,
                   const frame_buffer& frame, draw_counters& counts, const How&... how) {
@@ -24,13 +24,11 @@ status draw_plane(row_kernel kernel, const planar_map& texels, Renderer& scalar,
       span_mask masks[row_spans];
       const int count = min_of(row_spans, last - sx + 1);
       for (int k = 0; k < count; ++k) masks[k] = rectangle_mask(area, sx + k, sy);
-      const row_result r = kernel({&p, &texels, kind, t.last_level(), sx, sy, count, masks, frame.pixels, frame.stride});
-      counts.spans_total += uint64_t(count);
-      counts.jobs += uint64_t(count - __builtin_popcount(r.left));
-      counts.divides += r.divides;
-      counts.words_loaded += r.words_loaded;
+      const uint32_t left = kernel({&p, &texels, kind, t.last_level(), sx, sy, count, masks, frame.pixels, frame.stride});
+      counts.spans_total += uint64_t(count - __builtin_popcount(left));
+      counts.jobs += uint64_t(count - __builtin_popcount(left));
       for (int k = 0; k < count; ++k) {
-        if (r.left >> k & 1) SPANTEX_TRY(scalar.draw_span(s, sx + k, sy, masks[k], how...));
+        if (left >> k & 1) SPANTEX_TRY(scalar.draw_span(s, sx + k, sy, masks[k], how...));
         else counts.pixels += uint64_t(__builtin_popcountll(masks[k]));
       }
     }

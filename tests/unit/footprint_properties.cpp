@@ -234,7 +234,7 @@ SPANTEX_CASE(footprints_equal_the_whole_map) {
   assert_true(pictures > (short_run() ? 200 : 400));
 }
 
-// A map whose texels are nowhere darker gives a picture that is nowhere darker; a filled contour's field likewise.
+// A map whose texels are nowhere darker gives a picture that is nowhere darker. A contour's coverage need not: its steepness follows the field's gradient.
 SPANTEX_CASE(pictures_are_monotone_in_their_texels) {
   static picture brighter;
   int64_t raised = 0;
@@ -257,7 +257,7 @@ SPANTEX_CASE(pictures_are_monotone_in_their_texels) {
           for (size_t n = 0; n < drawn.pixels.size(); ++n)
             for (int channel = 0; channel < channel_count; ++channel) {
               const uint32_t a = channel_of(drawn.pixels[n], channel), b = channel_of(brighter.pixels[n], channel);
-              if (b < a) fail_msg("%s, filter %d, view %d: %u after %u at pixel %d", name, int(kind), k, b, a, int(n));
+              if (b < a && !(kind == filter::contour && channel == alpha_channel)) fail_msg("%s, filter %d, view %d: %u after %u at pixel %d", name, int(kind), k, b, a, int(n));
               raised += b > a;
             }
         }

@@ -164,6 +164,7 @@ draw_result drawn(texel_format f, profile_choice profile) {
   draw_options o;
   o.profile = profile;
   o.kind = filter::trilinear;
+  o.counted = true;
   return draw(make_named_scene("tilted", r), o);
 }
 

@@ -46,6 +46,7 @@ judged bench::judge(const method& m) const {
   if (contours) o.how.alpha = alpha_mode::blended;
   o.background = background_;
   o.repeat = repeats_;
+  o.counted = true;
   sim::draw_result direct = sim::draw(scene_, o);
   if (m.space == sim::sampling_space::screen) {
     o.engine = sim::engine_choice::simulated;

@@ -51,7 +51,8 @@ std::vector<sim::output_file> outputs(const render_options& o) {
 }
 
 void run(const render_options& o) {
-  const sim::draw_options drawing = o.drawing.resolve();
+  sim::draw_options drawing = o.drawing.resolve();
+  drawing.counted = !o.stats.empty();
   if (o.psnr || !o.reference.empty()) refuse_reference(drawing);
   const std::vector<sim::output_file> files = outputs(o);
   const sim::output_file stats = o.stats.empty() ? sim::output_file() : sim::output_file(o.stats);
