@@ -622,7 +622,7 @@ struct quad_reach { int32_t low[2][quads], high[2][quads]; };
 }
 
 // The section of one quad on one level. False if it does not fit registers, or lies where the map has no blocks.
-[[gnu::always_inline]] inline bool find_section(const planar_map& map, int level, const quad_reach& r, int n, quad_section& out, bool& wide) {
+[[gnu::always_inline]] inline bool find_section(const planar_map& map, int level, const quad_reach& r, int n, bool always_wide, quad_section& out, bool& wide) {
   if (level >= map.level_count()) return false;
   const planar_level& texels = map.level(level);
   const int32_t half = 1 << (15 + level);
@@ -630,7 +630,7 @@ struct quad_reach { int32_t low[2][quads], high[2][quads]; };
   const auto last = [&](int axis) { return ((r.high[axis][n] - half) >> (16 + level)) + 1; };
   const int32_t u = first(0), u1 = last(0), v = first(1), v1 = last(1);
   const int32_t bx = u >> 3, bx1 = u1 >> 3, by = v >> 3, by1 = v1 >> 3;
-  wide = u1 - u > 7;
+  wide = always_wide || u1 - u > 7;
   if ((wide && bx1 - bx > 1) || by1 - by > 1) return false;
   const auto held = [](int32_t k, int32_t most) { return clamp_to(k, -apron, most); };
   const int32_t x0 = held(bx, texels.last_column), x1 = held(bx1, texels.last_column), y0 = held(by, texels.last_row), y1 = held(by1, texels.last_row);
@@ -684,17 +684,12 @@ struct quad_reach { int32_t low[2][quads], high[2][quads]; };
   const samples s = samples16(snapped16(o, n, base_u, base_v, level));
   quad_section at;
   bool wide;
-  if (!find_section(map, level, r, n, at, wide)) {
+  if (!find_section(map, level, r, n, true, at, wide)) {  // wide or not would be a branch that nobody can predict
     for (v16& c : out) c = _mm512_setzero_si512();
     return blend_in_parts(map, o, n, base_u, base_v, level, s, rounding, out);
   }
-  if (wide) {
 #pragma GCC unroll 4
-    for (int k = 0; k < channel_count; ++k) out[k] = blended16<true>(at, k, s, rounding);
-  } else {
-#pragma GCC unroll 4
-    for (int k = 0; k < channel_count; ++k) out[k] = blended16<false>(at, k, s, rounding);
-  }
+  for (int k = 0; k < channel_count; ++k) out[k] = blended16<true>(at, k, s, rounding);
   return true;
 }
 
@@ -751,7 +746,7 @@ struct quad_reach { int32_t low[2][quads], high[2][quads]; };
       const samples s = samples16(snapped16(o, n, u, v, 0));
       quad_section at;
       bool wide;
-      if (!find_section(*work.texels, 0, r, n, at, wide)) out[n] = bilinear_gathered(*work.texels, o, n, u, v, s);
+      if (!find_section(*work.texels, 0, r, n, false, at, wide)) out[n] = bilinear_gathered(*work.texels, o, n, u, v, s);
       else out[n] = wide ? bilinear16<true>(at, s) : bilinear16<false>(at, s);
     }
   }
@@ -774,17 +769,23 @@ struct quad_reach { int32_t low[2][quads], high[2][quads]; };
   const span_mask mask = work.masks[k];
   rgba8* const first = work.pixels + int64_t(work.sy) * span_side * work.stride + (work.sx + k) * span_side;
   const auto* const texels = reinterpret_cast<const uint32_t __attribute__((__may_alias__))*>(map.level0());
-  for (int n = 0; n < quads; ++n)
-#pragma GCC unroll 8
-    for (int m = 0; m < 8; ++m) {  // two pixels side by side
-      const int y = n / 2 * quad_side + m / 2, x = n % 2 * quad_side + m % 2 * 2;
-      const uint64_t two = at[n][m], pixels = texels[uint32_t(two)] | uint64_t(texels[two >> 32]) << 32;
-      rgba8* const to = first + int64_t(y) * work.stride + x;
-      const unsigned wanted = unsigned(mask >> (y * span_side + x)) & 3;
-      if (wanted == 3) __builtin_memcpy(to, &pixels, 8);
-      else if (wanted == 1) __builtin_memcpy(to, &pixels, 4);
-      else if (wanted == 2) { const uint64_t second = pixels >> 32; __builtin_memcpy(to + 1, &second, 4); }
+  if (mask == ~span_mask(0)) {
+    for (int y = 0; y < span_side; ++y) {  // two pixels side by side
+      rgba8* const row = first + int64_t(y) * work.stride;
+      const uint64_t* const left = at[y / quad_side * 2] + y % quad_side * 2;
+#pragma GCC unroll 4
+      for (int m = 0; m < 4; ++m) {
+        const uint64_t two = left[m / 2 * 8 + m % 2], pixels = texels[uint32_t(two)] | uint64_t(texels[two >> 32]) << 32;
+        __builtin_memcpy(row + 2 * m, &pixels, 8);
+      }
     }
+    return true;
+  }
+  for (span_mask rest = mask; rest != 0; rest &= rest - 1) {
+    const int bit = __builtin_ctzll(rest), x = bit % span_side, y = bit / span_side;
+    const uint64_t two = at[y / quad_side * 2 + x / quad_side][y % quad_side * 2 + x % quad_side / 2];
+    __builtin_memcpy(first + int64_t(y) * work.stride + x, &texels[x % 2 ? two >> 32 : uint32_t(two)], 4);
+  }
   return true;
 }
 
