@@ -416,7 +416,7 @@ def test_trace(folder):
 
 
 def test_progress_only_on_a_terminal(folder):
-    arguments = ["plane", "--texture", "map.png", "--size", "640x480", "--matrix", TILTED, "--out", "o.png", "--repeat", "40"]
+    arguments = ["plane", "--texture", "map.png", "--size", "640x480", "--matrix", TILTED, "--out", "o.png", "--repeat", "40", "--kernel", "scalar"]  # long enough to show
     parent, child = pty.openpty()
     process = subprocess.Popen([str(BINARY), *arguments], cwd=folder, stderr=child)
     os.close(child)
