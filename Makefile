@@ -109,7 +109,7 @@ $(B)/%.o: %.cpp Makefile
 	@$(CXX) $(FLAGS) -c $< -o $@
 
 # Kernels are unrolled by the compiler; gcc's own intrinsics warn of the undefined lanes they mean.
-$(B)/hal/kernels/%.o: FLAGS += -O3 -Wno-uninitialized -Wno-maybe-uninitialized
+$(B)/hal/kernels/%.o: FLAGS += -O3 -Wno-unknown-warning-option -Wno-uninitialized -Wno-maybe-uninitialized
 
 $(B)/tests/%: $(B)/tests/unit/%.o $(HOST_OBJECTS)
 	@mkdir -p $(@D)

@@ -301,12 +301,12 @@ void judge_corners(const pixel_under_test& p) {
   for (int k = 0; k < (hat ? 6 : 4); ++k) {
     const wide_position at = position_beside(p.prof, p.c, p.i, p.j, area_corner(p.c.kind, k));
     const int32_t hx = p.hx + (hat ? hexagon : square)[k][0], hy = p.hy + (hat ? hexagon : square)[k][1];
-    const int128 w = p.map.w_at(hx, hy);
+    const exact_point e = p.q().exact_set_up ? exact_at(p.map, hx, hy) : exact_point{p.map.u_at(hx, hy), p.map.v_at(hx, hy), p.map.w_at(hx, hy)};
     const auto judge = [&](wide_coordinate x, int128 n) {
-      p.note(stress_stage::corner, double(real(size_of(x.raw() * w - (n << 16))) / std::ldexp(real(w), 16)), bound);
+      p.note(stress_stage::corner, double(real(size_of(int128(x.raw()) * e.w - (n << 16))) / std::ldexp(real(e.w), 16)), bound);
     };
-    judge(at.u, p.map.u_at(hx, hy));
-    judge(at.v, p.map.v_at(hx, hy));
+    judge(at.u, e.u);
+    judge(at.v, e.v);
   }
 }
 
