@@ -46,8 +46,8 @@ struct alignas(64) batch {
   int32_t terms[batch_size];                             // 0: affine, 1..4: series, 5: divide
   // Level 0: where the sections of the four quads lie (quad_sections), of spans that are flat enough to tell without their pixels.
   int32_t at[2][2][4][batch_size], column[4][batch_size];
-  int32_t low[4][2][batch_size], high[4][2][batch_size];  // of each quad, u and v: every position, s15.16
-  int64_t u_x[batch_size], v_x[batch_size], u_y[batch_size], v_y[batch_size], twist_u[batch_size], twist_v[batch_size];  // level.hpp: span_levels()
+  alignas(64) int32_t low[4][2][batch_size], high[4][2][batch_size];  // of each quad, u and v: every position, s15.16
+  alignas(64) int64_t u_x[batch_size], v_x[batch_size], u_y[batch_size], v_y[batch_size], twist_u[batch_size], twist_v[batch_size];  // level.hpp: span_levels()
   uint32_t usable;                                       // bit k: span k is in here
   uint32_t flat;                                         // bit k: low and high are known
   uint32_t placed, wide;                                 // bit k: its sections are known; one of them is more than 8 texels across
@@ -362,7 +362,7 @@ template <int Terms>
 [[gnu::always_inline]] inline v16 shortened(v16 x, int drop) { return drop > 0 ? _mm512_sra_epi32(x, _mm_cvtsi32_si128(drop)) : x; }
 
 // Positions on a level: u in the lower half of each lane, v in the upper, 7 bits of fraction and 4 of texel each; what is above is anything.
-[[gnu::always_inline]] inline v16 snapped16(const offsets& o, int n, int32_t base_u, int32_t base_v, int level) {
+[[gnu::always_inline]] SPANTEX_WRAPS inline v16 snapped16(const offsets& o, int n, int32_t base_u, int32_t base_v, int level) {
   const int short_by = max_of(0, o.bits + level - 28), bits = o.bits - short_by, drop = bits + level - q.subtexel_bits;
   const uint32_t start = (o.half >> short_by) + (1u << (bits + level - q.subtexel_bits - 1)) - (1u << (bits + level - 1));
   const v16 from_u = set32(int32_t((uint32_t(base_u) << bits) + start)), from_v = set32(int32_t((uint32_t(base_v) << bits) + start));
