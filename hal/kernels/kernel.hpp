@@ -10,20 +10,22 @@
 
 namespace spantex::kernels {
 
+inline constexpr int max_row_spans = 512;  // max_screen_side
+
 struct row_work {
   const plane* map;
   const planar_map* texels;
   filter kind;
   int32_t last_level;      // of the map
   int32_t sx, sy;          // the first span
-  int count;               // 1 to 8 spans side by side
+  int count;               // 1 to max_row_spans, side by side
   const span_mask* masks;  // count of them; zero: nothing to draw
   rgba8* pixels;           // of the frame: pixel (0, 0)
   int32_t stride;
+  bool* left;              // count of them, false: the kernel sets those of spans that it did not draw
 };
 
-// Returns the spans that it left: bit k is span k.
-using row_kernel = uint32_t (*)(const row_work&);
+using row_kernel = void (*)(const row_work&);
 
 enum class choice : uint8_t { fastest, scalar, avx512 };
 

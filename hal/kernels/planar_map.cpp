@@ -5,10 +5,14 @@ namespace spantex::kernels {
 namespace {
 
 int32_t period(wrap mode, int32_t side) { return mode == wrap::clamp ? 0 : mode == wrap::mirror ? 2 * side : side; }
+int32_t length_of(wrap mode, int32_t side) { return mode == wrap::mirror ? 2 * side : side; }
+int32_t blocks_of(wrap mode, int32_t side) { return (length_of(mode, side) + block_side - 1) / block_side; }
 
-int32_t blocks_of(wrap mode, int32_t side) {
-  const int32_t length = mode == wrap::mirror ? 2 * side : side;
-  return (length + block_side - 1) / block_side;
+// Where each texel from -before on lies on the level.
+std::vector<int32_t> wrapped(int32_t before, int32_t count, const auto& of) {
+  std::vector<int32_t> at(size_t(count), 0);
+  for (int32_t k = 0; k < count; ++k) at[size_t(k)] = of(k - before);
+  return at;
 }
 
 }  // namespace
@@ -16,36 +20,47 @@ int32_t blocks_of(wrap mode, int32_t side) {
 planar_map::planar_map(const texture_view& view)
     : width_(view.width()), height_(view.height()), wrap_u_(view.wrap_u()), wrap_v_(view.wrap_v()), period_u_(period(wrap_u_, width_)),
       period_v_(period(wrap_v_, height_)) {
-  level0_.reserve(size_t(width_) * size_t(height_));
-  for (int32_t y = 0; y < height_; ++y)
-    for (int32_t x = 0; x < width_; ++x) level0_.push_back(view.texel(0, x, y));
+  rows_down_ = length_of(wrap_v_, height_);
+  row_stride_ = length_of(wrap_u_, width_) + 2 * texel_apron;
+  const std::vector<int32_t> across = wrapped(texel_apron, row_stride_, [&](int32_t u) { return view.wrapped_u(u, 0); });
+  const std::vector<int32_t> down = wrapped(texel_apron, rows_down_ + 2 * texel_apron, [&](int32_t v) { return view.wrapped_v(v, 0); });
+  rows_.reserve(across.size() * down.size());
+  for (const int32_t v : down)
+    for (const int32_t u : across) rows_.push_back(view.texel(0, u, v));
+
   constexpr uint32_t exact = uint32_t(1) << 31;
-  for (int k = 0; k < view.level_count(); ++k) {
-    if (view.ratio_u(k) != exact || view.ratio_v(k) != exact) break;
-    const int32_t across = blocks_of(view.wrap_u(), view.width(k)), down = blocks_of(view.wrap_v(), view.height(k));
-    const int32_t columns = across + 2 * apron, rows = down + 2 * apron;
-    std::vector<uint8_t> bytes(size_t(columns) * size_t(rows) * block_bytes + block_channel_bytes);
-    const size_t skew = (block_channel_bytes - reinterpret_cast<uintptr_t>(bytes.data()) % block_channel_bytes) % block_channel_bytes;
-    uint8_t* const first = bytes.data() + skew;
-    for (int32_t by = 0; by < rows; ++by)
-      for (int32_t bx = 0; bx < columns; ++bx)
-        for (int n = 0; n < block_side * block_side; ++n) {
-          const int32_t u = (bx - apron) * block_side + n % block_side, v = (by - apron) * block_side + n / block_side;
-          const rgba8 t = view.texel(k, view.wrapped_u(u, k), view.wrapped_v(v, k));
-          uint8_t* const at = first + (size_t(by) * size_t(columns) + size_t(bx)) * block_bytes + n;
-          at[0] = t.r ^ 0x80;
-          at[64] = t.g ^ 0x80;
-          at[128] = t.b ^ 0x80;
-          at[192] = t.a ^ 0x80;
-        }
-    planar_level level;
-    level.stride = columns * block_bytes;
-    level.origin = first + int64_t(apron) * level.stride + apron * block_bytes;
-    level.last_column = across + apron - 1;
-    level.last_row = down + apron - 1;
-    storage_.push_back(std::move(bytes));
-    levels_.push_back(level);
+  size_t bytes = 0;
+  std::vector<size_t> starts;
+  for (int k = 0; k < view.level_count() && view.ratio_u(k) == exact && view.ratio_v(k) == exact; ++k) {
+    starts.push_back(bytes);
+    bytes += size_t(blocks_of(wrap_u_, view.width(k)) + 2 * apron) * size_t(blocks_of(wrap_v_, view.height(k)) + 2 * apron) * block_bytes;
   }
+  blocks_.resize(bytes + block_channel_bytes);
+  skew_ = (block_channel_bytes - reinterpret_cast<uintptr_t>(blocks_.data()) % block_channel_bytes) % block_channel_bytes;
+  level_count_ = int(starts.size());
+  for (int k = 0; k < level_count_; ++k) add_level(view, k, starts[size_t(k)]);
+}
+
+void planar_map::add_level(const texture_view& view, int k, size_t start) {
+  const int32_t across = blocks_of(wrap_u_, view.width(k)), down = blocks_of(wrap_v_, view.height(k)), columns = across + 2 * apron, rows = down + 2 * apron;
+  const std::vector<int32_t> u = wrapped(texel_apron, columns * block_side, [&](int32_t x) { return view.wrapped_u(x, k); });
+  const std::vector<int32_t> v = wrapped(texel_apron, rows * block_side, [&](int32_t y) { return view.wrapped_v(y, k); });
+  uint8_t* at = blocks_.data() + skew_ + start;
+  for (int32_t by = 0; by < rows; ++by)
+    for (int32_t bx = 0; bx < columns; ++bx, at += block_bytes)
+      for (int n = 0; n < block_side * block_side; ++n) {
+        const rgba8 t = view.texel(k, u[size_t(bx * block_side + n % block_side)], v[size_t(by * block_side + n / block_side)]);
+        at[n] = t.r ^ 0x80;
+        at[n + block_channel_bytes] = t.g ^ 0x80;
+        at[n + 2 * block_channel_bytes] = t.b ^ 0x80;
+        at[n + 3 * block_channel_bytes] = t.a ^ 0x80;
+        opaque_ &= t.a == 255;
+      }
+  levels_.column_bytes[k] = block_bytes;
+  levels_.row_bytes[k] = columns * block_bytes;
+  levels_.origin[k] = int32_t(start) + apron * (levels_.row_bytes[k] + block_bytes);
+  levels_.last_column[k] = across + apron - 1;
+  levels_.last_row[k] = down + apron - 1;
 }
 
 }  // namespace spantex::kernels

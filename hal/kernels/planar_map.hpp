@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // A map as the host kernels read it: local texture memory's layout made ready, so that filling it is a load a block. Each level is cut into
 // blocks of 8x8 texels; a block holds its four channels one after another, 64 bytes each, so that one 512-bit register is one channel of one
-// block and a byte permute is 64 of the papers' banked fetches. Around the level lie blocks with what the wrap mode says lies there.
+// block and a byte permute is 64 of the papers' banked fetches. Level 0 is there a second time, row by row, for filters that take single texels.
+// Around a level lies an apron with what the wrap mode says lies there.
 #pragma once
 #include <stddef.h>
 #include <stdint.h>
@@ -13,13 +14,15 @@
 namespace spantex::kernels {
 
 inline constexpr int block_side = 8, block_channel_bytes = 64, block_bytes = 4 * block_channel_bytes;
-inline constexpr int apron = 2;  // blocks on every side of a level
+inline constexpr int apron = 2;                           // blocks on every side of a level
+inline constexpr int texel_apron = apron * block_side;    // texels on every side of the rows
+inline constexpr int max_planar_levels = 16;              // as many as one register of 32-bit lanes numbers
 
-struct planar_level {
-  const uint8_t* origin = nullptr;  // block (0, 0): texels 0..7 of rows 0..7; values are texels ^ 0x80, signed bytes
-  int32_t stride = 0;               // bytes from one row of blocks to the next
-  int32_t last_column = 0, last_row = 0;  // blocks from -apron to these hold something
-  const uint8_t* block(int32_t bx, int32_t by) const { return origin + int64_t(by) * stride + int64_t(bx) * block_bytes; }
+// The blocks of all levels, a lane each: what a section's address is made of.
+struct alignas(64) planar_levels {
+  int32_t origin[max_planar_levels] = {};                 // of block (0, 0), texels 0..7 of rows 0..7, in bytes from planar_map::blocks()
+  int32_t column_bytes[max_planar_levels] = {}, row_bytes[max_planar_levels] = {};     // from one block to the next
+  int32_t last_column[max_planar_levels] = {}, last_row[max_planar_levels] = {};       // blocks from -apron to these hold something
 };
 
 // Levels whose sides halve exactly from level 0, in any wrap mode. A period is what positions may be taken modulo: the side, twice the side for
@@ -27,9 +30,15 @@ struct planar_level {
 class planar_map {
  public:
   explicit planar_map(const texture_view& view);
-  const planar_level& level(int k) const { return levels_[size_t(k)]; }
-  int level_count() const { return int(levels_.size()); }  // from 0 on, as many as halve exactly
-  const rgba8* level0() const { return level0_.data(); }  // rows from the top, as they are
+  planar_map(planar_map&&) = default;  // and no copy: the blocks are aligned where they are
+  int level_count() const { return level_count_; }        // from 0 on, as many as halve exactly
+  const planar_levels& levels() const { return levels_; }
+  const uint8_t* blocks() const { return blocks_.data() + skew_; }  // 64-byte aligned; values are texels ^ 0x80, signed bytes
+  const rgba8* row(int32_t y) const { return rows_.data() + int64_t(y + texel_apron) * row_stride_ + texel_apron; }  // of level 0; x and y from -texel_apron
+  bool opaque() const { return opaque_; }                 // every texel of every level has alpha 255
+  int32_t row_stride() const { return row_stride_; }
+  int32_t rows_across() const { return row_stride_ - 2 * texel_apron; }
+  int32_t rows_down() const { return rows_down_; }
   int32_t width() const { return width_; }
   int32_t height() const { return height_; }
   wrap wrap_u() const { return wrap_u_; }
@@ -38,10 +47,14 @@ class planar_map {
   int32_t period_v() const { return period_v_; }
 
  private:
-  std::vector<std::vector<uint8_t>> storage_;
-  std::vector<planar_level> levels_;
-  std::vector<rgba8> level0_;
-  int32_t width_, height_;
+  void add_level(const texture_view& view, int k, size_t at);
+  planar_levels levels_;
+  std::vector<uint8_t> blocks_;
+  size_t skew_ = 0;
+  std::vector<rgba8> rows_;
+  int level_count_ = 0;
+  bool opaque_ = true;
+  int32_t row_stride_ = 0, rows_down_ = 0, width_, height_;
   wrap wrap_u_, wrap_v_;
   int32_t period_u_, period_v_;
 };

@@ -14,24 +14,26 @@ namespace spantex::kernels {
 template <class Renderer, class... How>
 status draw_plane(row_kernel kernel, const planar_map& texels, Renderer& scalar, const plane& p, const texture_view& t, filter kind, rectangle area,
                   const frame_buffer& frame, draw_counters& counts, const How&... how) {
-  constexpr int row_spans = 8;
   area = intersection(area, {0, 0, frame.width, frame.height});
   if (area.empty()) return status::ok;
   const surface s{&p, &t, kind};
-  const int32_t first = area.x0 / span_side, last = (area.x1 - 1) / span_side;
-  for (int32_t sy = area.y0 / span_side; sy <= (area.y1 - 1) / span_side; ++sy)
-    for (int32_t sx = first; sx <= last; sx += row_spans) {
-      span_mask masks[row_spans];
-      const int count = min_of(row_spans, last - sx + 1);
-      for (int k = 0; k < count; ++k) masks[k] = rectangle_mask(area, sx + k, sy);
-      const uint32_t left = kernel({&p, &texels, kind, t.last_level(), sx, sy, count, masks, frame.pixels, frame.stride});
-      counts.spans_total += uint64_t(count - __builtin_popcount(left));
-      counts.jobs += uint64_t(count - __builtin_popcount(left));
-      for (int k = 0; k < count; ++k) {
-        if (left >> k & 1) SPANTEX_TRY(scalar.draw_span(s, sx + k, sy, masks[k], how...));
-        else counts.pixels += uint64_t(__builtin_popcountll(masks[k]));
+  const int32_t first = area.x0 / span_side;
+  const int count = (area.x1 - 1) / span_side - first + 1;
+  if (count > max_row_spans) return status::bad_size;
+  for (int32_t sy = area.y0 / span_side; sy <= (area.y1 - 1) / span_side; ++sy) {
+    span_mask masks[max_row_spans];
+    bool left[max_row_spans] = {};
+    for (int k = 0; k < count; ++k) masks[k] = rectangle_mask(area, first + k, sy);
+    kernel({&p, &texels, kind, t.last_level(), first, sy, count, masks, frame.pixels, frame.stride, left});
+    for (int k = 0; k < count; ++k)
+      if (left[k]) {
+        SPANTEX_TRY(scalar.draw_span(s, first + k, sy, masks[k], how...));
+      } else {
+        ++counts.spans_total;
+        ++counts.jobs;
+        counts.pixels += uint64_t(__builtin_popcountll(masks[k]));
       }
-    }
+  }
   return status::ok;
 }
 

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: Apache-2.0
+// AVX-512 kernel: texture positions of a span's 64 pixels. Included by ../avx512.cpp alone.
+#pragma once
+
+// Offsets from the base texel: value 2^-bits, to be rounded by adding half and cutting.
+struct offsets { v16 u[quads], v[quads], e[quads]; int bits; uint32_t half; };
+
+// The slope as the series take it: in the upper half of each lane, lower half zero.
+SPANTEX_INLINE v16 slope16(v16 e, v16 slope_log2) { return _mm512_and_si512(_mm512_sllv_epi32(e, _mm512_sub_epi32(_mm512_setzero_si512(), slope_log2)), upper()); }
+
+// q of the series, likewise.
+template <int Terms>
+SPANTEX_INLINE v16 series16(v16 e16, v16 slope_log2) {
+  const v16 drop = _mm512_sub_epi32(set32(-2), slope_log2);
+  v16 r = e16;
+#pragma GCC unroll 4
+  for (int k = 1; k < Terms; ++k)
+    r = _mm512_sub_epi32(e16, _mm512_and_si512(_mm512_srav_epi32(_mm512_madd_epi16(e16, r), drop), upper()));
+  return r;
+}
+
+SPANTEX_INLINE v16 by_series16(v16 n, v16 r, v16 drop) {
+  return _mm512_sub_epi32(n, _mm512_srav_epi32(_mm512_madd_epi16(n, r), drop));
+}
+
+template <int Terms>
+SPANTEX_INLINE void divide_by_series(v16 slope_log2, offsets& o) {
+  const v16 drop = _mm512_sub_epi32(set32(-2), slope_log2);
+#pragma GCC unroll 4
+  for (int n = 0; n < quads; ++n) {
+    const v16 r = series16<Terms>(slope16(o.e[n], slope_log2), slope_log2);
+    o.u[n] = by_series16(o.u[n], r, drop);
+    o.v[n] = by_series16(o.v[n], r, drop);
+  }
+}
+
+// 1/w of sixteen pixels, u1.30, as even and odd lanes in 64 bits each.
+struct reciprocals16 { v8 even, odd; };
+SPANTEX_INLINE v8 reciprocal_of_w8(v8 w) {  // reciprocal_of_w(w, 30)
+  const __mmask8 small = _mm512_cmplt_epu64_mask(w, set(int64_t(1) << 30));
+  const v8 one = set(1), two = _mm512_add_epi64(one, one);
+  const v8 m = _mm512_sllv_epi64(w, _mm512_mask_mov_epi64(one, small, two));
+  const v8 y = reciprocal8(m);
+  const v8 shift = _mm512_mask_mov_epi64(two, small, one), half = _mm512_mask_mov_epi64(two, small, one);
+  return _mm512_srlv_epi64(_mm512_add_epi64(y, half), shift);
+}
+SPANTEX_INLINE reciprocals16 reciprocal16(v16 e) {
+  const v16 w = _mm512_add_epi32(e, set32(1 << 30));
+  return {reciprocal_of_w8(_mm512_and_si512(w, set(0xFFFFFFFF))), reciprocal_of_w8(_mm512_srli_epi64(w, 32))};
+}
+
+// n / w with 14 fraction bits, rounded, as for coordinate_bits.
+SPANTEX_INLINE v16 by_divide16(v16 n, const reciprocals16& r, v8 shift) {
+  const v8 half = _mm512_sllv_epi64(set(1), _mm512_sub_epi64(shift, set(1)));
+  const auto one = [&](v8 x, v8 y) { return _mm512_srav_epi64(_mm512_add_epi64(_mm512_mul_epi32(x, y), half), shift); };
+  const v8 even = one(n, r.even), odd = one(_mm512_srli_epi64(n, 32), r.odd);
+  return _mm512_mask_mov_epi32(even, 0xAAAA, _mm512_slli_epi64(odd, 32));
+}
+
+SPANTEX_INLINE void divide(offsets& o) {
+  const v8 shift = set(o.bits - q.coordinate_bits + q.reciprocal_bits);
+#pragma GCC unroll 4
+  for (int n = 0; n < quads; ++n) {
+    const reciprocals16 r = reciprocal16(o.e[n]);
+    o.u[n] = by_divide16(o.u[n], r, shift);
+    o.v[n] = by_divide16(o.v[n], r, shift);
+  }
+  o.bits = q.coordinate_bits;
+  o.half = 0;
+}
+
+SPANTEX_INLINE void forms(v16 c, int32_t x, int32_t y, v16 (&out)[quads]) {
+  const v16 hx = _mm512_setr_epi32(-7, -5, -3, -1, -7, -5, -3, -1, -7, -5, -3, -1, -7, -5, -3, -1);
+  const v16 hy = _mm512_setr_epi32(-7, -7, -7, -7, -5, -5, -5, -5, -3, -3, -3, -3, -1, -1, -1, -1);
+  const v16 a = set32(x), b = set32(y), right = _mm512_slli_epi32(a, 3), below = _mm512_slli_epi32(b, 3);
+  out[0] = _mm512_add_epi32(_mm512_add_epi32(c, _mm512_mullo_epi32(a, hx)), _mm512_mullo_epi32(b, hy));
+  out[1] = _mm512_add_epi32(out[0], right);
+  out[2] = _mm512_add_epi32(out[0], below);
+  out[3] = _mm512_add_epi32(out[1], below);
+}
+
+SPANTEX_INLINE offsets offsets_of(const batch& b, int k) {
+  offsets o;
+  forms(set32(b.c_u[k]), b.a_u[k], b.b_u[k], o.u);
+  forms(set32(b.c_v[k]), b.a_v[k], b.b_v[k], o.v);
+  forms(_mm512_setzero_si512(), b.g[k], b.h[k], o.e);
+  o.bits = b.exponent[k];
+  o.half = 1u << (o.bits - q.coordinate_bits - 1);
+  const v16 slope_log2 = set32(b.slope_log2[k]);
+  switch (b.terms[k]) {
+    case 0: break;
+    case 1: divide_by_series<1>(slope_log2, o); break;
+    case 2: divide_by_series<2>(slope_log2, o); break;
+    case 3: divide_by_series<3>(slope_log2, o); break;
+    case 4: divide_by_series<4>(slope_log2, o); break;
+    default: divide(o); break;
+  }
+  return o;
+}
+
+// One quad's offsets.
+struct positions { v16 u, v; int32_t base_u, base_v; int bits; uint32_t half; };
+SPANTEX_INLINE positions positions_of(const batch& b, int k, const offsets& o, int n) { return {o.u[n], o.v[n], b.base_u[k], b.base_v[k], o.bits, o.half}; }
+
+// Drops the bits that keep positions modulo 16 texels of any level up to this one from fitting 32 bits: few spans have any.
+SPANTEX_INLINE void shorten(int last_level, offsets& o) {
+  const int drop = o.bits + last_level - 28;
+  if (drop <= 0) [[likely]] return;
+#pragma GCC unroll 4
+  for (int n = 0; n < quads; ++n) {
+    o.u[n] = _mm512_sra_epi32(o.u[n], _mm_cvtsi32_si128(drop));
+    o.v[n] = _mm512_sra_epi32(o.v[n], _mm_cvtsi32_si128(drop));
+  }
+  o.bits -= drop;
+  o.half >>= drop;
+}
+
+// Positions on a level: u in the lower half of each lane, v in the upper, 7 bits of fraction and 4 of texel each; what is above is anything.
+SPANTEX_INLINE v16 snapped16(v16 offset_u, v16 offset_v, v16 from_u, v16 from_v, v16 drop, v16 turn) {
+  const v16 u = _mm512_srlv_epi32(_mm512_add_epi32(offset_u, from_u), drop), v = _mm512_rorv_epi32(_mm512_add_epi32(offset_v, from_v), turn);
+  return _mm512_ternarylogic_epi32(u, v, upper(), 0xD8);  // bits of v where upper
+}
+
+SPANTEX_INLINE SPANTEX_WRAPS v16 snapped16(const positions& p, int level) {
+  const int drop = p.bits + level - q.subtexel_bits;
+  const uint32_t half = 1u << (drop - 1), start = p.half + half - (half << q.subtexel_bits);
+  return snapped16(p.u, p.v, set32(int32_t((uint32_t(p.base_u) << p.bits) + start)), set32(int32_t((uint32_t(p.base_v) << p.bits) + start)), set32(drop), set32(drop - 16));
+}
+
+// The same for a span's quads on two levels each: what to add and how far to shift. Fine levels of the four quads, then the coarse ones.
+struct alignas(32) snapping {
+  int32_t from_u[2 * quads], from_v[2 * quads], drop[2 * quads], turn[2 * quads];
+  SPANTEX_INLINE SPANTEX_WRAPS snapping(const offsets& o, int32_t base_u, int32_t base_v, __m256i level) {
+    const __m256i shift = _mm256_add_epi32(level, _mm256_set1_epi32(o.bits - q.subtexel_bits));
+    const __m256i half = _mm256_sllv_epi32(_mm256_set1_epi32(1), _mm256_sub_epi32(shift, _mm256_set1_epi32(1)));
+    const __m256i start = _mm256_sub_epi32(half, _mm256_slli_epi32(half, q.subtexel_bits));
+    put(from_u, _mm256_add_epi32(start, _mm256_set1_epi32(int32_t((uint32_t(base_u) << o.bits) + o.half))));
+    put(from_v, _mm256_add_epi32(start, _mm256_set1_epi32(int32_t((uint32_t(base_v) << o.bits) + o.half))));
+    put(drop, shift);
+    put(turn, _mm256_sub_epi32(shift, _mm256_set1_epi32(16)));
+  }
+  SPANTEX_INLINE v16 at(v16 u, v16 v, int k) const { return snapped16(u, v, set32(from_u[k]), set32(from_v[k]), set32(drop[k]), set32(turn[k])); }
+};
