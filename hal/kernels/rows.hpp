@@ -4,6 +4,8 @@
 #pragma once
 #include <stdint.h>
 
+#include <algorithm>
+
 #include <hal/kernels/kernel.hpp>
 #include <spantex/draw.hpp>
 
@@ -23,16 +25,21 @@ status draw_plane(row_kernel kernel, const planar_map& texels, Renderer& scalar,
   for (int32_t sy = area.y0 / span_side; sy <= (area.y1 - 1) / span_side; ++sy) {
     span_mask masks[max_row_spans];
     bool left[max_row_spans] = {};
-    for (int k = 0; k < count; ++k) masks[k] = rectangle_mask(area, first + k, sy);
+    const rectangle row{area.x0, max_of(area.y0, sy * span_side), area.x1, min_of(area.y1, (sy + 1) * span_side)};
+    std::fill(masks, masks + count, rectangle_mask({0, row.y0, span_side, row.y1}, 0, sy));
+    masks[0] = rectangle_mask(row, first, sy);
+    masks[count - 1] = rectangle_mask(row, first + count - 1, sy);
     kernel({&p, &texels, kind, t.last_level(), first, sy, count, masks, frame.pixels, frame.stride, left});
-    for (int k = 0; k < count; ++k)
-      if (left[k]) {
-        SPANTEX_TRY(scalar.draw_span(s, first + k, sy, masks[k], how...));
-      } else {
-        ++counts.spans_total;
-        ++counts.jobs;
-        counts.pixels += uint64_t(__builtin_popcountll(masks[k]));
-      }
+    uint64_t spans = uint64_t(count), pixels = uint64_t(row.x1 - row.x0) * uint64_t(row.y1 - row.y0);
+    for (int k = 0; k < count; ++k) {
+      if (!left[k]) continue;
+      --spans;
+      pixels -= uint64_t(__builtin_popcountll(masks[k]));
+      SPANTEX_TRY(scalar.draw_span(s, first + k, sy, masks[k], how...));
+    }
+    counts.spans_total += spans;
+    counts.jobs += spans;
+    counts.pixels += pixels;
   }
   return status::ok;
 }
