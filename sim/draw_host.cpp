@@ -41,17 +41,22 @@ prepared prepare(const scene& s, const draw_options& o) {
                          return map.view().colours() == colour_space::coded;
                        }));
   prepared p;
-  if (!wanted || std::all_of(s.items.begin(), s.items.end(), [](const drawable& d) { return d.is_polygon; })) return p;
+  if (!wanted) return p;
   p.kernel = kernels::kernel_of(o.kernel);
   if (p.kernel != nullptr)
     for (const texture_map& map : *s.maps) p.maps.emplace_back(map.view());
   return p;
 }
 
+struct frame_depths {
+  std::vector<uint32_t> values, floors;  // empty where no polygon is drawn
+};
+
 struct target {
   image& picture;
-  std::vector<uint32_t>& depth;
+  frame_depths& depth;
   const prepared& ready;
+  depth_buffer depths() const { return depth.values.empty() ? depth_buffer{} : depth_buffer{depth.values.data(), depth.floors.data()}; }
 };
 
 frame_buffer frame_of(image& picture) { return {picture.pixels.data(), picture.width_px, picture.height_px, picture.width_px}; }
@@ -75,7 +80,10 @@ status draw_item(auto& renderer, const drawable& item, const scene& s, const dra
   if (item.is_polygon) {
     polygon part = item.shape;
     part.box = intersection(part.box, rows);
-    if (!part.box.empty()) SPANTEX_TRY(renderer.draw(part, map, o.kind, {out.depth.data()}, how));
+    if (out.ready.kernel != nullptr && how.colours == nullptr)
+      SPANTEX_TRY(kernels::draw_polygon(out.ready.kernel, out.ready.maps[size_t(item.map_index)], renderer, part, map, o.kind, out.depths(), frame_of(out.picture), counts, how));
+    else if (!part.box.empty())
+      SPANTEX_TRY(renderer.draw(part, map, o.kind, out.depths(), how));
     if (o.parts_done) o.parts_done(1);
     return status::ok;
   }
@@ -166,9 +174,10 @@ void add(counters& sum, const counters& c) {
 }
 
 // One repetition; the time of drawing alone.
-double draw_once(const scene& s, const draw_options& o, const prepared& ready, const std::vector<band>& bands, draw_result& result, std::vector<uint32_t>& depth) {
+double draw_once(const scene& s, const draw_options& o, const prepared& ready, const std::vector<band>& bands, draw_result& result, frame_depths& depth) {
   std::fill(result.picture.pixels.begin(), result.picture.pixels.end(), o.background);
-  std::fill(depth.begin(), depth.end(), 0);
+  std::fill(depth.values.begin(), depth.values.end(), 0);
+  std::fill(depth.floors.begin(), depth.floors.end(), 0);
   std::vector<band_counts> counts(bands.size());
   const target out{result.picture, depth, ready};
   const auto begun = std::chrono::steady_clock::now();
@@ -232,7 +241,12 @@ draw_result draw(const scene& s, const draw_options& options) {
   if (!s.maps->empty()) result.format = s.maps->front().view().format();
   if (!s.maps->empty()) result.colours = s.maps->front().view().colours();
   for (const texture_map& map : *s.maps) result.words_uploaded += map.words_uploaded();
-  std::vector<uint32_t> depth(s.uses_depth() ? result.picture.pixels.size() : 0);
+  frame_depths depth;
+  if (s.uses_depth()) {
+    const auto spans = [](int px) { return size_t(px + span_side - 1) / span_side; };
+    depth.values.resize(result.picture.pixels.size());
+    depth.floors.resize(spans(s.size.width_px) * spans(s.size.height_px));
+  }
   const std::vector<band> bands = make_bands(s.size.height_px, options.sink != nullptr ? 1 : options.threads);
   const prepared ready = prepare(s, options);
   if (ready.kernel != nullptr) result.kernel = name_of(kernel_names, kernels::choice::avx512);

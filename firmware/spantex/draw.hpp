@@ -12,6 +12,7 @@
 #include <spantex/polygon.hpp>
 #include <spantex/shade.hpp>
 #include <spantex/status.hpp>
+#include <spantex/visibility.hpp>
 
 namespace spantex {
 
@@ -19,11 +20,6 @@ namespace spantex {
 struct frame_buffer {
   rgba8* pixels;
   int32_t width, height, stride;
-};
-
-// Optional depth, one word per pixel of the frame: near/z as u0.31, 0 where nothing was drawn. Larger is nearer.
-struct depth_buffer {
-  uint32_t* values = nullptr;
 };
 
 struct draw_counters {
@@ -73,7 +69,7 @@ class renderer {
       span_mask mask = coverage(p.edges, sx, sy) & rectangle_mask(p.box, sx, sy);
       if (mask != 0 && depth.values != nullptr) {
         SPANTEX_TRY(settle(sx, sy));
-        mask = depth_test(p, sx, sy, mask & front_mask(p.map, sx, sy), depth, how.stores_depth_first());
+        mask = depth_test(p, sx, sy, mask & front_mask(p.map, sx, sy), depth, frame_.width, how.stores_depth_first());
         if (mask == 0) { ++counters_.spans_hidden; return status::ok; }
       }
       return plan(s, sx, sy, mask);
@@ -143,20 +139,6 @@ class renderer {
     for (const pending_job& job : pending_)
       if (job.shade.stores_depth() && job.mask != 0 && job.sx == sx && job.sy == sy) return drain();
     return status::ok;
-  }
-
-  constexpr span_mask depth_test(const polygon& p, int32_t sx, int32_t sy, span_mask mask, depth_buffer depth, bool stores) const {
-    span_mask visible = 0;
-    for (span_mask rest = mask; rest != 0; rest &= rest - 1) {
-      const int k = __builtin_ctzll(rest);
-      const int32_t x = sx * span_side + k % span_side, y = sy * span_side + k / span_side;
-      const uint32_t z = depth_at(p, 2 * x + 1, 2 * y + 1);
-      uint32_t& stored = depth.values[y * frame_.width + x];
-      if (z <= stored) continue;
-      if (stores) stored = z;
-      visible |= span_mask(1) << k;
-    }
-    return visible;
   }
 
   // A half whose operation failed is empty (hal/engine.hpp): nothing of it may be used or waited for again.

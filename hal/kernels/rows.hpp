@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Planes by a kernel: rows of spans go to it, and what it leaves goes span by span through a renderer. The picture is the same bytes whoever
+// Planes and polygons by a kernel: rows of spans go to it, and what it leaves goes span by span through a renderer. The picture is the same bytes whoever
 // draws a span.
 #pragma once
 #include <stdint.h>
@@ -42,6 +42,48 @@ status draw_plane(row_kernel kernel, const planar_map& texels, Renderer& scalar,
     counts.pixels += pixels;
   }
   return status::ok;
+}
+
+// Draws a polygon, hidden parts left out, opaque. The same otherwise; `scalar` must hold nothing that is still computing, and holds nothing afterwards.
+template <class Renderer, class... How>
+status draw_polygon(row_kernel kernel, const planar_map& texels, Renderer& scalar, const polygon& p, const texture_view& t, filter kind, depth_buffer depth,
+                    const frame_buffer& frame, draw_counters& counts, const How&... how) {
+  const rectangle area = intersection(p.box, {0, 0, frame.width, frame.height});
+  if (area.empty()) return status::ok;
+  const surface s{&p.map, &t, kind};
+  const int32_t first = area.x0 / span_side;
+  const int count = (area.x1 - 1) / span_side - first + 1;
+  if (count > max_row_spans) return status::bad_size;
+  for (int32_t sy = area.y0 / span_side; sy <= (area.y1 - 1) / span_side; ++sy) {
+    span_mask masks[max_row_spans];
+    bool left[max_row_spans] = {};
+    int from = count, to = 0;  // spans with something to draw
+    for (int k = 0; k < count; ++k) {
+      ++counts.spans_total;
+      span_mask& mask = masks[k];
+      mask = coverage(p.edges, first + k, sy);
+      if (mask != 0) mask &= rectangle_mask(area, first + k, sy);
+      if (mask == 0) { ++counts.spans_empty; continue; }
+      mask &= front_mask(p.map, first + k, sy);
+      if (mask == 0) { ++counts.spans_behind; continue; }
+      if (depth.values != nullptr) mask = depth_test(p, first + k, sy, mask, depth, frame.width, true);
+      if (mask == 0) { ++counts.spans_hidden; continue; }
+      from = min_of(from, k);
+      to = k + 1;
+      ++counts.jobs;
+      counts.pixels += uint64_t(__builtin_popcountll(mask));
+    }
+    if (from >= to) continue;
+    kernel({&p.map, &texels, kind, t.last_level(), first + from, sy, to - from, masks + from, frame.pixels, frame.stride, left + from});
+    for (int k = from; k < to; ++k) {
+      if (!left[k]) continue;
+      --counts.spans_total;
+      --counts.jobs;
+      counts.pixels -= uint64_t(__builtin_popcountll(masks[k]));
+      SPANTEX_TRY(scalar.draw_span(s, first + k, sy, masks[k], how...));
+    }
+  }
+  return scalar.flush();
 }
 
 }  // namespace spantex::kernels

@@ -33,7 +33,7 @@ SPANTEX_INLINE v16 log2_of(v16 x) {
 
 // log2_length() of the eight rows, then of the eight columns, s.16.
 SPANTEX_INLINE v16 lengths16(v8 row_u, v8 row_v, v8 column_u, v8 column_v, int exponent) {
-  const auto square = [](v8 u, v8 v) { return _mm512_add_epi64(_mm512_mullo_epi64(u, u), _mm512_mullo_epi64(v, v)); };
+  const auto square = [&](v8 u, v8 v) { return _mm512_add_epi64(_mm512_mullo_epi64(u, u), _mm512_mullo_epi64(v, v)); };
   const v8 row = square(row_u, row_v), column = square(column_u, column_v);
   const v8 row_zeros = _mm512_lzcnt_epi64(row), column_zeros = _mm512_lzcnt_epi64(column);
   const v16 lower = _mm512_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30), higher = _mm512_add_epi32(lower, set32(1));

@@ -175,11 +175,11 @@ SPANTEX_INLINE void plan_mantissas(const row_work& work, setup& s, batch& b) {
 
 // level.hpp: span_levels().
 SPANTEX_INLINE void plan_levels(const setup& s, batch& b) {
-  const auto product = [](v8 x, v8 slope) {  // times_slope()
+  const auto product = [&](v8 x, v8 slope) {  // times_slope()
     const v8 p30 = _mm512_mul_epi32(x, slope), m = _mm512_srli_epi64(_mm512_add_epi64(_mm512_abs_epi64(p30), set(1 << 29)), 30);
     return _mm512_mask_sub_epi64(m, _mm512_movepi64_mask(p30), _mm512_setzero_si512(), m);
   };
-  const auto wide = [](const int32_t (&x)[batch_size]) { return _mm512_cvtepi32_epi64(got(x)); };
+  const auto wide = [&](const int32_t (&x)[batch_size]) { return _mm512_cvtepi32_epi64(got(x)); };
   const v8 cu = wide(b.c_u), cv = wide(b.c_v), au = wide(b.a_u), av = wide(b.a_v), bu = wide(b.b_u), bv = wide(b.b_v);
   _mm512_store_si512(b.u_x, _mm512_sub_epi64(au, product(cu, s.g)));
   _mm512_store_si512(b.v_x, _mm512_sub_epi64(av, product(cv, s.g)));

@@ -54,13 +54,13 @@ SPANTEX_INLINE void find_sections(const planar_map& map, v16 reach, v16 level, s
   const v16 half = _mm512_sllv_epi32(set32(1 << 15), level), ends = _mm512_setr_epi32(0, 0, 0, 0, 1, 1, 1, 1, 0, 0, 0, 0, 1, 1, 1, 1);
   const v16 texel = _mm512_add_epi32(_mm512_srav_epi32(_mm512_sub_epi32(reach, half), _mm512_add_epi32(level, set32(16))), ends);
   const v16 block = _mm512_srai_epi32(texel, 3), least = set32(-apron), last = of_level(texels.last_column, texels.last_row);
-  const auto distance = [](v16 x) { return _mm512_sub_epi32(_mm512_shuffle_i32x4(x, x, 0xB1), x); };
+  const auto distance = [&](v16 x) { return _mm512_sub_epi32(_mm512_shuffle_i32x4(x, x, 0xB1), x); };
   const v16 spread = Wide ? distance(block) : _mm512_mask_mov_epi32(distance(block), 0x00FF, distance(texel));
   const v16 most = Wide ? one : both_axes(block_side - 1, 1);
-  __mmask16 bad = 0x0F0F & _mm512_cmpgt_epi32_mask(spread, most);
-  bad |= __mmask16((map.period_u() != 0 ? 0xFF : 0) | (map.period_v() != 0 ? 0xFF00 : 0)) &
-         _mm512_cmpneq_epi32_mask(_mm512_max_epi32(_mm512_min_epi32(block, last), least), block);
-  if (map.level_count() < max_planar_levels) bad |= _mm512_cmpge_epi32_mask(level, set32(map.level_count()));
+  __mmask16 bad = __mmask16(0x0F0F & _mm512_cmpgt_epi32_mask(spread, most));
+  const __mmask16 strict = __mmask16((map.period_u() != 0 ? 0xFF : 0) | (map.period_v() != 0 ? 0xFF00 : 0));
+  bad = __mmask16(bad | (strict & _mm512_cmpneq_epi32_mask(_mm512_max_epi32(_mm512_min_epi32(block, last), least), block)));
+  if (map.level_count() < max_planar_levels) bad = __mmask16(bad | _mm512_cmpge_epi32_mask(level, set32(map.level_count())));
   const v16 start = _mm512_shuffle_i32x4(block, block, 0xA0);  // of u, u, v, v
   v16 parity = _mm512_or_si512(_mm512_andnot_si512(one, _mm512_add_epi32(start, _mm512_sub_epi32(one, ends))), ends);  // the even one, the odd one
   if constexpr (!Wide) parity = _mm512_mask_mov_epi32(parity, 0x00FF, block);
