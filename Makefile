@@ -39,9 +39,10 @@ compare: setup-build setup-compare all ## the tables, pictures and plot of docs/
 	@tools/compare_methods --build $(B) --out $(B)/compare
 
 test: setup-build setup-test setup-demo ## run every test; T=suite.case runs one
-	@$(MAKE) --no-print-directory -j$(JOBS) $(B)/spantex unit-tests
+	@$(MAKE) --no-print-directory -j$(JOBS) $(if $(T),$(or $(TESTS_OF_T),$(B)/spantex),$(B)/spantex unit-tests)
 	@CXX="$(CXX)" python3 tests/run.py --build $(B) $(if $(T),--only '$(T)')
 
+TESTS_OF_T = $(filter $(B)/tests/$(subst *,%,$(firstword $(subst ., ,$(T)))),$(UNIT_TESTS))
 unit-tests: $(UNIT_TESTS)
 
 stress: setup-build all ## every stage of the numerics against exact arithmetic, 10^9 evaluations a profile; tables in build/stress

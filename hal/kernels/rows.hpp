@@ -12,7 +12,8 @@
 namespace spantex::kernels {
 
 // Draws the part of the plane in front of the viewer inside `area` of the frame. `texels` is made of the view `t`; profile default, opaque
-// pixels, colours as coded. Spans and pixels that the kernel draws are counted in `counts`, the rest in the renderer's own counters.
+// pixels, colours as coded. Spans looked at are counted in `counts`, and jobs and pixels of the kernel; those of
+// the rest in the renderer's own counters.
 template <class Renderer, class... How>
 status draw_plane(row_kernel kernel, const planar_map& texels, Renderer& scalar, const plane& p, const texture_view& t, filter kind, rectangle area,
                   const frame_buffer& frame, draw_counters& counts, const How&... how) {
@@ -30,15 +31,15 @@ status draw_plane(row_kernel kernel, const planar_map& texels, Renderer& scalar,
     masks[0] = rectangle_mask(row, first, sy);
     masks[count - 1] = rectangle_mask(row, first + count - 1, sy);
     kernel({&p, &texels, kind, t.last_level(), first, sy, count, masks, frame.pixels, frame.stride, left});
-    uint64_t spans = uint64_t(count), pixels = uint64_t(row.x1 - row.x0) * uint64_t(row.y1 - row.y0);
+    uint64_t drawn = uint64_t(count), pixels = uint64_t(row.x1 - row.x0) * uint64_t(row.y1 - row.y0);
     for (int k = 0; k < count; ++k) {
       if (!left[k]) continue;
-      --spans;
+      --drawn;
       pixels -= uint64_t(__builtin_popcountll(masks[k]));
       SPANTEX_TRY(scalar.draw_span(s, first + k, sy, masks[k], how...));
     }
-    counts.spans_total += spans;
-    counts.jobs += spans;
+    counts.spans_total += uint64_t(count);
+    counts.jobs += drawn;
     counts.pixels += pixels;
   }
   return status::ok;
@@ -77,7 +78,6 @@ status draw_polygon(row_kernel kernel, const planar_map& texels, Renderer& scala
     kernel({&p.map, &texels, kind, t.last_level(), first + from, sy, to - from, masks + from, frame.pixels, frame.stride, left + from});
     for (int k = from; k < to; ++k) {
       if (!left[k]) continue;
-      --counts.spans_total;
       --counts.jobs;
       counts.pixels -= uint64_t(__builtin_popcountll(masks[k]));
       SPANTEX_TRY(scalar.draw_span(s, first + k, sy, masks[k], how...));

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+// Visibility: depth by pixel against depth by span first.
+#include <tests/support.hpp>
+
+using namespace spantex;
+using namespace spantex::sim;
+
+namespace {
+
+constexpr int32_t one = 1 << 16, width = 117, height = 61, across = (width + 7) / 8, down = (height + 7) / 8;
+constexpr projection camera{60 * one, 60 * one, width * one / 2, height * one / 2, one / 16};
+
+struct depths {
+  uint32_t values[width * height] = {}, floors[across * down] = {};
+};
+
+bool random_polygon(random_source& random, polygon& p) {
+  vertex v[4];
+  const int32_t z = int32_t(random.between(one / 2, 40 * one)), x = int32_t(random.between(-z, z)), y = int32_t(random.between(-z / 2, z / 2));
+  const int32_t side = int32_t(random.between(z / 8, 2 * z)), tilt = int32_t(random.between(-z / 3, z / 3));
+  const int32_t sx[4] = {-1, 1, 1, -1}, sy[4] = {-1, -1, 1, 1};
+  for (int k = 0; k < 4; ++k) v[k] = {x + sx[k] * side, y + sy[k] * side, z + sx[k] * tilt, 0, 0};
+  return make_polygon(v, 4, camera, {0, 0, width, height}, p) == status::ok;
+}
+
+// Calls with every span of the polygon that covers something, and what it covers.
+template <class Visit>
+void each_span(const polygon& p, Visit visit) {
+  for (int32_t sy = 0; sy < down; ++sy)
+    for (int32_t sx = 0; sx < across; ++sx)
+      if (const span_mask mask = coverage(p.edges, sx, sy) & rectangle_mask(p.box, sx, sy); mask != 0) visit(sx, sy, mask);
+}
+
+// Depth by the formula, a pixel at a time.
+span_mask nearer_pixels(const polygon& p, int32_t sx, int32_t sy, span_mask mask, uint32_t* values, bool stores) {
+  span_mask visible = 0;
+  for (span_mask rest = mask; rest != 0; rest &= rest - 1) {
+    const int k = __builtin_ctzll(rest);
+    const int32_t x = sx * 8 + k % 8, y = sy * 8 + k / 8;
+    const uint32_t z = depth_at(p, 2 * x + 1, 2 * y + 1);
+    if (z <= values[y * width + x]) continue;
+    if (stores) values[y * width + x] = z;
+    visible |= span_mask(1) << k;
+  }
+  return visible;
+}
+
+depths with, without, plain;
+uint64_t spans_hidden;
+
+// The same polygons three ways; every floor is one.
+void draw_all(int seed) {
+  with = without = plain = {};
+  spans_hidden = 0;
+  random_source random{uint64_t(seed)};
+  for (int n = 0; n < 400; ++n) {
+    polygon p{};
+    if (!random_polygon(random, p)) continue;
+    const bool stores = random.between(0, 3) != 0;
+    each_span(p, [&](int32_t sx, int32_t sy, span_mask mask) {
+      const bool hidden = depth_range_of(p, sx, sy).most <= with.floors[sy * across + sx];
+      const span_mask want = nearer_pixels(p, sx, sy, mask, plain.values, stores);
+      assert_int_equal(depth_test(p, sx, sy, mask, {with.values, with.floors}, width, stores), want);
+      assert_int_equal(depth_test(p, sx, sy, mask, {without.values}, width, stores), want);
+      if (hidden) assert_int_equal(want, 0);
+      spans_hidden += hidden;
+    });
+  }
+}
+
+SPANTEX_CASE(floors_change_no_pixel_and_no_depth) {
+  for (int seed = 1; seed <= 8; ++seed) {
+    draw_all(seed);
+    assert_memory_equal(with.values, plain.values, sizeof plain.values);
+    assert_memory_equal(without.values, plain.values, sizeof plain.values);
+  }
+}
+
+SPANTEX_CASE(no_pixel_of_a_span_is_farther_than_its_floor) {
+  draw_all(9);
+  int known = 0;
+  for (int32_t y = 0; y < height; ++y)
+    for (int32_t x = 0; x < width; ++x) {
+      const uint32_t floor = with.floors[y / 8 * across + x / 8];
+      known += floor != 0;
+      assert_true(with.values[y * width + x] >= floor);
+    }
+  assert_in_range(known, width * height / 2, width * height);
+  assert_in_range(spans_hidden, 100, 100000);  // floors hide something
+}
+
+SPANTEX_CASE(depths_of_a_span_lie_between_its_corners) {
+  random_source random(3);
+  for (int n = 0; n < 200; ++n) {
+    polygon p{};
+    if (!random_polygon(random, p)) continue;
+    each_span(p, [&](int32_t sx, int32_t sy, span_mask) {
+      const depth_range r = depth_range_of(p, sx, sy);
+      uint32_t least = UINT32_MAX, most = 0;
+      for (int k = 0; k < 64; ++k) {
+        const uint32_t z = depth_at(p, 2 * (sx * 8 + k % 8) + 1, 2 * (sy * 8 + k / 8) + 1);
+        if (z < least) least = z;
+        if (z > most) most = z;
+      }
+      assert_int_equal(r.least, least);
+      assert_int_equal(r.most, most);
+    });
+  }
+}
+
+}  // namespace
+
+int main() {
+  const CMUnitTest tests[] = {
+      cmocka_unit_test(floors_change_no_pixel_and_no_depth),
+      cmocka_unit_test(no_pixel_of_a_span_is_farther_than_its_floor),
+      cmocka_unit_test(depths_of_a_span_lie_between_its_corners),
+  };
+  return run_suite("visibility", tests);
+}
