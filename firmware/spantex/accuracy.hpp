@@ -193,10 +193,9 @@ constexpr uint64_t pixel_axis_bound(int jacobian_exponent, int axis_exponent, ui
 
 // Level of an aniso footprint (its minor axis, or the major one over max_samples), against the exact vector along the same direction and the
 // exact area, where it lies in [0, last]: the term and final roundings; log2 of n, the area, w and max_samples; w; n relative to the vector,
-// the determinant to the area, which is at least 1/16 of the vector's square where it counts; the slopes in both; the cut of the bias.
+// the determinant to the area, which is at least 1/16 of the vector's square where it counts; the slopes in both.
 constexpr uint64_t footprint_level_bound(const profile& p) {
-  return detail::level_rounding_bound(p) + 7 * log2_bound() / 2 + detail::bound_power(18 - p.offset_bits) + detail::bound_power(13 - p.reciprocal_bits) +
-         detail::bound_power(-16);
+  return detail::level_rounding_bound(p) + 7 * log2_bound() / 2 + detail::bound_power(18 - p.offset_bits) + detail::bound_power(13 - p.reciprocal_bits);
 }
 
 // A sample's offset from the footprint's centre: half a unit of 2^-16, and the step's rounding, 15/2 2^-16 of the vector's component, texels.

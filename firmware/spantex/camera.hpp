@@ -8,7 +8,6 @@
 // Angles are binary: u0.32 of a turn, so that they wrap as angles do. Errors: sine and cosine within 1.4 units of s1.30 (no more than 0.9 found),
 // entries of R, sums of a product of two and one of three of them, within 2^-27.
 #pragma once
-#include <stddef.h>
 #include <stdint.h>
 
 #include <spantex/bits.hpp>
@@ -34,17 +33,25 @@ constexpr uint32_t inverse_of(uint32_t n) { return uint32_t(((uint64_t(1) << 32)
 constexpr uint32_t one_less(uint32_t x) { return 0xFFFFFFFFu - x; }  // 1 - x, u0.32; 1 is 2^-32 short
 constexpr uint32_t series_step(uint32_t square, uint32_t n, uint32_t inner) { return one_less(times_fraction(times_fraction(square, inverse_of(n)), inner)); }
 
-// Steps from the innermost divisor outwards.
-template <size_t Count>
-constexpr uint32_t series_at(uint32_t x, const uint8_t (&divisors)[Count]) {
+constexpr uint32_t small_sine(uint32_t x) {
   const uint32_t square = times_fraction(x, x);
-  uint32_t y = 0xFFFFFFFFu;
-  for (const uint32_t n : divisors) y = series_step(square, n, y);
-  return y;
+  uint32_t y = series_step(square, 110, 0xFFFFFFFFu);
+  y = series_step(square, 72, y);
+  y = series_step(square, 42, y);
+  y = series_step(square, 20, y);
+  y = series_step(square, 6, y);
+  return times_fraction(x, y);
 }
 
-constexpr uint32_t small_sine(uint32_t x) { return times_fraction(x, series_at(x, {110, 72, 42, 20, 6})); }
-constexpr uint32_t small_cosine(uint32_t x) { return series_at(x, {132, 90, 56, 30, 12, 2}); }
+constexpr uint32_t small_cosine(uint32_t x) {
+  const uint32_t square = times_fraction(x, x);
+  uint32_t y = series_step(square, 132, 0xFFFFFFFFu);
+  y = series_step(square, 90, y);
+  y = series_step(square, 56, y);
+  y = series_step(square, 30, y);
+  y = series_step(square, 12, y);
+  return series_step(square, 2, y);
+}
 
 // u0.32 to s1.30 to nearest: 1 - 2^-32 becomes 1.
 constexpr int32_t to_s1_30(uint32_t x) { return int32_t((uint64_t(x) + 2) >> 2); }

@@ -16,6 +16,7 @@
 #include <sim/pack.hpp>
 #include <sim/quality.hpp>
 #include "commands.hpp"
+#include "demo_surfaces.hpp"
 #include "methods.hpp"
 #include "options.hpp"
 #include "progress.hpp"

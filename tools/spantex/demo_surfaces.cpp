@@ -9,8 +9,8 @@
 #include <sim/figures.hpp>
 #include <sim/pack.hpp>
 #include <sim/pattern.hpp>
-#include "commands.hpp"
-#include "options.hpp"
+#include <sim/scene.hpp>
+#include "demo_surfaces.hpp"
 
 namespace spantex::tool {
 namespace {
