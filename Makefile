@@ -77,9 +77,10 @@ fuzz: setup-build setup-test ## fuzz both frame parsers of the bench, FUZZ_RUNS 
 
 SANITIZE := -g -fsanitize=address,undefined,unsigned-integer-overflow -fno-sanitize-recover=all \
             -fsanitize-ignorelist=tests/sanitize.ignore -DSPANTEX_CHECK_TRUST
-sanitize: setup-build setup-test ## unit tests, command, stress and identity pictures under clang's address, undefined-behaviour and unsigned-overflow sanitizers
-	@$(MAKE) --no-print-directory -j$(JOBS) B=$(B)/sanitize CXX=clang++ OPT=-O1 CXXFLAGS="$(SANITIZE)" unit-tests $(B)/sanitize/spantex $(B)/sanitize/picture_hashes
-	@tests/sanitized.py --build $(B)/sanitize
+SUITES ?= $(UNIT_SOURCES:tests/unit/%.cpp=%)
+sanitize: setup-build setup-test ## unit tests (SUITES), command, stress and identity pictures under clang's address, undefined-behaviour and unsigned-overflow sanitizers
+	@$(MAKE) --no-print-directory -j$(JOBS) B=$(B)/sanitize CXX=clang++ OPT=-O1 CXXFLAGS="$(SANITIZE)" $(SUITES:%=$(B)/sanitize/tests/%) $(B)/sanitize/spantex $(B)/sanitize/picture_hashes
+	@tests/sanitized.py --build $(B)/sanitize --suites $(SUITES)
 
 check-gates: setup-test ## break the code on purpose, one line at a time: a named test must notice each
 	@tests/gates.py

@@ -231,6 +231,7 @@ profile profile_of(profile_choice choice, const profile_changes& changes) {
   p.formula = changes.level.value_or(p.formula);
   p.max_samples = changes.max_samples.value_or(p.max_samples);
   p.sample_slack = changes.sample_slack.value_or(p.sample_slack);
+  p.sample_bias = changes.sample_bias.value_or(p.sample_bias);
   if (!is_valid(p)) throw input_error("profile: numbers outside their documented ranges");
   return p;
 }

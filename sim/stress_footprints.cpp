@@ -84,7 +84,8 @@ real exact_footprint_level(const pixel_under_test& p, const exact_vector& along,
   const real area = std::log2(std::fabs(real(g.ux) * real(g.vy) - real(g.uy) * real(g.vx)) * 4 / (w2 * w2));
   const real bias = q.sample_bias / 16.0L, most = std::log2(real(q.max_samples));
   const real ratio = std::clamp(std::min(2 * length - area, length - bias), 0.0L, most);
-  return std::clamp(length - ratio + bias + q.level_bias / 16.0L, 0.0L, real(p.view().last_level()));
+  const real minor = length - ratio;
+  return std::clamp(minor + bias * std::clamp(minor, 0.0L, 1.0L) + q.level_bias / 16.0L, 0.0L, real(p.view().last_level()));
 }
 
 void judge_vector(const pixel_under_test& p, const footprint& f) {

@@ -60,4 +60,19 @@ inline const raw_map& random_map(texel_format f, int32_t width, int32_t height, 
   return m;
 }
 
+// A section of any level of side texels a side, and a box within it.
+struct boxed_section { section at; texel_box box; };
+
+inline boxed_section random_section(random_source& random, const texture_view& t, int side) {
+  boxed_section s{};
+  s.at.level = uint8_t(random.next() % uint64_t(t.level_count()));
+  s.at.origin_u = int32_t(random.between(-80, 80));
+  s.at.origin_v = int32_t(random.between(-80, 80));
+  s.box.u0 = s.at.origin_u + int32_t(random.between(0, side - 1));
+  s.box.v0 = s.at.origin_v + int32_t(random.between(0, side - 1));
+  s.box.u1 = int32_t(random.between(s.box.u0, s.at.origin_u + side - 1));
+  s.box.v1 = int32_t(random.between(s.box.v0, s.at.origin_v + side - 1));
+  return s;
+}
+
 }  // namespace spantex::sim

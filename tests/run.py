@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Runs the tests and closes with 'N passed, N failed'.
+"""Runs the tests, a program a processor, and closes with 'N passed, N failed'.
 
 Three kinds, each a suite with named cases:
   unit          build/tests/<suite>: CMocka programs; cases are their tests
@@ -8,6 +8,7 @@ Three kinds, each a suite with named cases:
 --only SUITE or SUITE.CASE (either may hold * and ?) selects.
 """
 import argparse
+import concurrent.futures
 import fnmatch
 import os
 import pathlib
@@ -28,35 +29,44 @@ def run(command, **kw):
         return -1, f"no end after {LIMIT_S} s"
 
 
-def unit_cases(build, only_suite, only_case):
-    for program in sorted((build / "tests").glob("*")):
-        if program.is_dir() or not os.access(program, os.X_OK) or not fnmatch.fnmatch(program.name, only_suite):
-            continue
-        environment = dict(os.environ, CMOCKA_MESSAGE_OUTPUT="TAP", SPANTEX_BUILD=str(build), SPANTEX_TEST_FILTER=only_case)
-        code, text = run([program], env=environment)
-        cases = re.findall(r"^(ok|not ok) \d+ - (\S+)", text, re.M)
-        for verdict, name in cases:
-            yield program.name, name, verdict == "ok", text
-        if code != 0 and all(v == "ok" for v, _ in cases):
-            yield program.name, "(program)", False, f"exit code {code}\n{text}"
+def unit_cases(program, build, only_case):
+    environment = dict(os.environ, CMOCKA_MESSAGE_OUTPUT="TAP", SPANTEX_BUILD=str(build), SPANTEX_TEST_FILTER=only_case)
+    code, text = run([program], env=environment)
+    cases = re.findall(r"^(ok|not ok) \d+ - (\S+)", text, re.M)
+    results = [(program.name, name, verdict == "ok", text) for verdict, name in cases]
+    if code != 0 and all(v == "ok" for v, _ in cases):
+        results.append((program.name, "(program)", False, f"exit code {code}\n{text}"))
+    return results
 
 
-def compile_fail_cases(only_case):
-    for source in sorted((ROOT / "tests/compile_fail").glob("*.cpp")):
-        if not fnmatch.fnmatch(source.stem, only_case):
-            continue
-        expected = re.search(r"// expects: (.*)", source.read_text())[1].strip()
-        code, text = run([os.environ.get("CXX", "g++"), "-std=c++20", "-fsyntax-only", "-Wall", "-Wextra", "-Werror", "-I.", "-Ifirmware", str(source)])
-        passed = code != 0 and expected in text
-        yield "compile_fail", source.stem, passed, f"expected to be refused with: {expected}\n{text}"
+def compile_fail_case(source):
+    expected = re.search(r"// expects: (.*)", source.read_text())[1].strip()
+    code, text = run([os.environ.get("CXX", "g++"), "-std=c++20", "-fsyntax-only", "-Wall", "-Wextra", "-Werror", "-I.", "-Ifirmware", str(source)])
+    return [("compile_fail", source.stem, code != 0 and expected in text, f"expected to be refused with: {expected}\n{text}")]
 
 
-def script_cases(build, only_case):
-    for script in sorted((ROOT / "tests/scripts").iterdir()):
-        if script.is_dir() or not os.access(script, os.X_OK) or not fnmatch.fnmatch(script.stem, only_case):
-            continue
-        code, text = run([script], env=dict(os.environ, SPANTEX_BUILD=str(build)))
-        yield "scripts", script.stem, code == 0, text
+def script_case(script, build):
+    code, text = run([script], env=dict(os.environ, SPANTEX_BUILD=str(build)))
+    return [("scripts", script.stem, code == 0, text)]
+
+
+def programs(folder):
+    return [p for p in sorted(folder.iterdir()) if not p.is_dir() and os.access(p, os.X_OK)]
+
+
+def tasks(build, suite, case, units_alone):
+    """What runs side by side: a call a program, each of which returns suite, case, verdict and text of its cases."""
+    if not units_alone and fnmatch.fnmatch("compile_fail", suite):
+        for source in sorted((ROOT / "tests/compile_fail").glob("*.cpp")):
+            if fnmatch.fnmatch(source.stem, case):
+                yield lambda source=source: compile_fail_case(source)
+    if not units_alone and fnmatch.fnmatch("scripts", suite):
+        for script in programs(ROOT / "tests/scripts"):
+            if fnmatch.fnmatch(script.stem, case):
+                yield lambda script=script: script_case(script, build)
+    for program in programs(build / "tests"):
+        if fnmatch.fnmatch(program.name, suite):
+            yield lambda program=program: unit_cases(program, build, case)
 
 
 def main():
@@ -67,21 +77,15 @@ def main():
     options = parser.parse_args()
     options.build = options.build.resolve()
     suite, _, case = options.only.partition(".")
-    case = case or "*"
-    groups = []
-    if not options.units and fnmatch.fnmatch("compile_fail", suite):
-        groups.append(compile_fail_cases(case))
-    groups.append(unit_cases(options.build, suite, case))
-    if not options.units and fnmatch.fnmatch("scripts", suite):
-        groups.append(script_cases(options.build, case))
     passed = failed = 0
     begun = time.monotonic()
-    for group in groups:
-        for name, test, good, text in group:
-            passed, failed = passed + good, failed + (not good)
-            print(f"{'pass' if good else 'FAIL'}  {name}.{test}", flush=True)
-            if not good:
-                print("\n".join("      " + line for line in text.splitlines()[-60:]), flush=True)
+    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+        for results in pool.map(lambda task: task(), tasks(options.build, suite, case or "*", options.units)):
+            for name, test, good, text in results:
+                passed, failed = passed + good, failed + (not good)
+                print(f"{'pass' if good else 'FAIL'}  {name}.{test}", flush=True)
+                if not good:
+                    print("\n".join("      " + line for line in text.splitlines()[-60:]), flush=True)
     if passed + failed == 0:
         print(f"tests/run.py: nothing matches '{options.only}'", file=sys.stderr)
         return 2

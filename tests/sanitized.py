@@ -47,10 +47,10 @@ def identity(program, environment):
     return None
 
 
-def parts(build, environment, folder):
+def parts(build, suites, environment, folder):
     """Name and the calls that make it up, the longest first."""
     spantex, one = build / "spantex", lambda *command: lambda: run(command, environment)
-    yield "unit tests", [one(sys.executable, "tests/run.py", "--build", build, "--units")]
+    yield "unit tests", [one(sys.executable, "tests/run.py", "--build", build, "--only", suite) for suite in suites]
     yield "command_contract", [one("tests/scripts/command_contract.py")]
     yield "command_bad_input", [one("tests/scripts/command_bad_input.py")]
     yield "stress", [one(spantex, "stress", "--profile", p, "--evaluations", EVALUATIONS) for p in PROFILES]
@@ -61,14 +61,16 @@ def parts(build, environment, folder):
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build/sanitize")
-    build = parser.parse_args().build.resolve()
+    parser.add_argument("--suites", nargs="+", required=True, help="unit tests")
+    options = parser.parse_args()
+    build = options.build.resolve()
     environment = dict(os.environ, ASAN_OPTIONS="detect_leaks=0", SPANTEX_SHORT="1", SPANTEX_SANITIZED="1", SPANTEX_BUILD=str(build))
     failed = 0
     with tempfile.TemporaryDirectory() as name, concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
         def timed(call):
             begun = time.monotonic()
             return call(), time.monotonic() - begun
-        waiting = [(part, [pool.submit(timed, call) for call in calls]) for part, calls in parts(build, environment, pathlib.Path(name))]
+        waiting = [(part, [pool.submit(timed, call) for call in calls]) for part, calls in parts(build, options.suites, environment, pathlib.Path(name))]
         for part, calls in waiting[1:] + waiting[:1]:  # the unit tests end last
             results = [c.result() for c in calls]
             faults = [fault for fault, _ in results if fault]

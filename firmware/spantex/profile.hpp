@@ -40,7 +40,7 @@ struct profile {
   int blend_bits = 16;                              // fraction bits of each level's colour, kept before two are interpolated (at most 16)
   int max_samples = 16;                             // filter aniso: samples along a footprint, 1 to 16
   int sample_slack = 2;                             // the number of samples is the axes' ratio less this many 1/16, rounded up (0 to 15)
-  int sample_bias = -8;                             // s3.4: added to the level of a footprint's minor axis, in 1/16 level (-16 to 0)
+  int sample_bias = -8;                             // s3.4: of a footprint's level, 1/16 level (-16 to 0), in full from level 1 on
   int area_side_log2 = 4;                           // filters step, hat: a footprint lies within 2^this texels a side (1 to 4)
   bool contours = true;                             // filter contour; false leaves its code out: alpha comes as from trilinear
   bool exact_set_up = true;                         // coordinates keep their bound against the caller's integers where set-up's rounding would

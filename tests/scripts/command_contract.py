@@ -327,13 +327,13 @@ def test_changes_of_a_profile(folder):
         assert same == plane(folder, "b.png", filter="trilinear", level="jacobian", engine=engine, **how)
         pictures = {plane(folder, "b.png", filter="trilinear", level=level, engine=engine, **how) for level in ("jacobian", "major", "minor")}
         assert len(pictures) == 3
-        assert plane(folder, "a.png", filter="aniso", engine=engine, **how) == plane(folder, "b.png", filter="aniso", samples="16", slack="2", engine=engine, **how)
+        assert plane(folder, "a.png", filter="aniso", engine=engine, **how) == plane(folder, "b.png", filter="aniso", samples="16", slack="2", bias="-8", engine=engine, **how)
         assert plane(folder, "a.png", filter="aniso", engine=engine, **how) != plane(folder, "b.png", filter="aniso", samples="1", engine=engine, **how)
-    text = done("compare", "--scenes", "tilted", "--size", "64x48", "--texture", "map.png", "--filters", "trilinear:level=minor,aniso:samples=4:slack=8", "--out", "c", "--json", "c.json", cwd=folder)
-    assert "trilinear:level=minor" in text and "aniso:samples=4:slack=8" in text
+    text = done("compare", "--scenes", "tilted", "--size", "64x48", "--texture", "map.png", "--filters", "trilinear:level=minor,aniso:samples=4:slack=8:bias=-4", "--out", "c", "--json", "c.json", cwd=folder)
+    assert "trilinear:level=minor" in text and "aniso:samples=4:slack=8:bias=-4" in text
     rows = json.loads((folder / "c.json").read_text())
-    assert [r["method"] for r in rows] == ["trilinear:level=minor", "aniso:samples=4:slack=8"] and all(r["pixels"] == 64 * 48 for r in rows)
-    assert (folder / "c" / "tilted-aniso-samples-4-slack-8-default.png").exists()
+    assert [r["method"] for r in rows] == ["trilinear:level=minor", "aniso:samples=4:slack=8:bias=-4"] and all(r["pixels"] == 64 * 48 for r in rows)
+    assert (folder / "c" / "tilted-aniso-samples-4-slack-8-bias--4-default.png").exists()
     done("render", "tilted", "--size", "64x48", "--texture", "map.png", "--out", "o.png", "--reference", "r.png", cwd=folder)
     assert (folder / "r.png").read_bytes() == (folder / "c" / "tilted-reference.png").read_bytes()
 

@@ -5,12 +5,10 @@ precondition, and the formulas are compared with the C++ on random and extreme n
 import itertools
 import math
 import sys
-import tempfile
-import time
 
-from z3 import And, Int, Not, Or, Real, Solver, sat
-
-from proofs import LIMIT_MS, Library, Numbers, gradients, holds, nearest, size
+from proofs import gradients, nearest, size
+from proving import Numbers, compare, run
+from z3 import And, Int, Or, Real
 
 TRIALS = 2000
 
@@ -126,7 +124,8 @@ class Model:
         length = self.log2_16(square) // 2 + (1 - exponent) * 65536 if square else -(32 << 16)
         major, bias = length - 2 * log2_w, 0 if squares else bias * 4096
         ratio = clamp(min(2 * length - area * 64 - log2_w, major - bias), 0, self.log2_16(samples))
-        level = clamp(nearest(major - ratio + bias, 16 - L) if L < 16 else major - ratio + bias, 0, 12 << L)
+        minor = major - ratio
+        level = clamp(nearest(minor + (bias // 4096 * clamp(minor, 0, 65536) >> 4), 16 - L), 0, 12 << L)
         if not squares:
             return [level, clamp((self.exp2(ratio) - (slack << 12) + 65535) >> 16, 1, samples)]
         whole = max(0, ((level + (1 << (L - 1)) + (1 << L) - 1) >> L) - 1)
@@ -282,14 +281,8 @@ def links(library, trials):
         yield ["coverage", *cover], [model.coverage(*cover)]
 
 
-def compare(library, trials=TRIALS):
-    pairs, wrong = list(links(library, trials)), {}
-    for (question, expected), got in zip(pairs, library.answers(q for q, _ in pairs), strict=True):
-        if got != expected:
-            wrong.setdefault(question[0], f"{' '.join(map(str, question))}\n    C++    {got}\n    proved {expected}")
-    print(f"{len({q[0] for q, _ in pairs})} steps, {len(pairs)} inputs: {'not as proved: ' + ', '.join(wrong) if wrong else 'formulas equal the C++'}")
-    print("\n".join(wrong.values()), end="\n" if wrong else "")
-    return not wrong
+def compared(library):
+    return compare(library, list(links(library, TRIALS)))
 
 
 # --- proofs: what is given, the key precondition, the claim ------------------------------------------------------
@@ -453,8 +446,9 @@ def proves_contour_distance(k):
 # --- by enumeration -----------------------------------------------------------------------------------------
 
 
-def enumerates_axis_exponents(k):
+def enumerates_axis_exponents(library):
     """A span's axis never meets the lower end of its exponent, where terms would be clamped one by one, and no drop exceeds 62."""
+    k = library.constants
     for OB in range(k["offset_bits"][0], k["offset_bits"][1] + 1):
         bits, top = OB - 1, k["max_axis_exponent"][0]
         for extent in range(-45, k["max_extent_log2"][0] + 1):
@@ -497,39 +491,5 @@ PROOFS = [proves_major_direction, proves_area_determinant, proves_axis_terms, pr
           proves_contour_distance]
 
 
-def fails_without(case):
-    """A counterexample, not merely no proof."""
-    solver = Solver()
-    solver.set("timeout", LIMIT_MS)
-    solver.add(*case[0], Not(case[2]))
-    return solver.check() == sat
-
-
-def prove(constants):
-    wrong = 0
-    for step in PROOFS:
-        begun, cases = time.monotonic(), list(step(constants))
-        proved = sum(holds(*case) for case in cases)
-        bites = fails_without(cases[-1])
-        wrong += not (proved == len(cases) and bites)
-        print(f"{step.__name__[7:]:28} {'proved' if proved == len(cases) else 'NOT PROVED'} ({proved} of {len(cases)}), "
-              f"{'fails' if bites else 'DOES NOT FAIL'} without its precondition, {time.monotonic() - begun:.1f} s", flush=True)
-    return wrong
-
-
-def main():
-    with tempfile.TemporaryDirectory() as folder:
-        library = Library(folder, "tests/identity/footprint_steps.cpp")
-        wrong = not compare(library)
-        for name, good in (("axis_exponents", lambda: enumerates_axis_exponents(library.constants)), ("squares", lambda: enumerates_squares(library)),
-                           ("exp2", lambda: enumerates_exp2(library))):
-            verdict = good()
-            wrong += not verdict
-            print(f"{name:28} {'holds' if verdict else 'DOES NOT HOLD'} for every case", flush=True)
-        if "--links" not in sys.argv:
-            wrong += prove(library.constants)
-    return 1 if wrong else 0
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(run("footprint_steps.cpp", compared, [enumerates_axis_exponents, enumerates_squares, enumerates_exp2], PROOFS))

@@ -1,3 +1,3 @@
 #!/bin/sh
-# Deliberate breaks of the code are noticed by the tests named for them: one for each file and suite. `make check-gates` tries all.
+# Deliberate breaks of the code are noticed by the tests named for them: one for each suite. `make check-gates` tries all.
 exec "$(dirname "$0")/../gates.py" --short

@@ -8,19 +8,12 @@ runs; and every formula that is proved is evaluated here and by that program on 
 --links makes these comparisons only."""
 import itertools
 import math
-import os
-import pathlib
-import random
-import subprocess
 import sys
-import tempfile
-import time
 from fractions import Fraction
 
-from z3 import And, BitVec, BitVecVal, If, Implies, Int, Not, Or, Real, Solver, ULT, is_bv, is_expr, unsat
+from proving import Numbers, compare, run
+from z3 import And, BitVec, BitVecVal, If, Implies, Int, Or, Real, ULT, is_bv, is_expr
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
-LIMIT_MS = 60_000
 AFFINE, SERIES, DIVIDE = range(3)  # evaluation
 TRIALS = 4000
 
@@ -226,36 +219,6 @@ class Model:
 # --- comparison with the C++ --------------------------------------------------------------------------------
 
 
-class Library:
-    """tests/identity/steps.cpp or another of its kind, built and run."""
-
-    def __init__(self, folder, source="tests/identity/steps.cpp"):
-        self.program = pathlib.Path(folder) / "steps"
-        subprocess.run([os.environ.get("CXX", "g++"), "-std=c++20", "-O1", "-I.", "-Ifirmware", source, "-o", self.program], cwd=ROOT, check=True)
-        lines = subprocess.run([self.program], input="", capture_output=True, text=True, check=True).stdout.split("end\n")[0].splitlines()
-        self.constants = {name: (int(low), int(high)) for name, low, high in map(str.split, lines)}
-
-    def answers(self, questions):
-        text = "".join(" ".join(map(str, q)) + "\n" for q in questions)
-        done = subprocess.run([self.program], input=text, capture_output=True, text=True, check=True).stdout
-        return [list(map(int, line.split())) for line in done.split("end\n")[1].splitlines()]
-
-
-class Numbers(random.Random):
-    def any(self, bits):
-        """Every magnitude alike, either sign."""
-        return self.choice((-1, 1)) * self.getrandbits(self.randint(0, bits))
-
-    def within(self, limit, weights):
-        """Numbers whose weighted magnitudes sum to at most limit, often just."""
-        left, out = limit, []
-        for w in self.sample(weights, len(weights)):
-            x = self.choice((left, self.randint(0, left), 0)) // w
-            left -= x * w
-            out.append((w, self.choice((-1, 1)) * x))
-        return [next(out.pop(i)[1] for i, (v, _) in enumerate(out) if v == w) for w in list(weights)]
-
-
 def plane_about(rng):
     """A plane within its documented bounds about a point where W > 0: numerators near a rational of moderate size."""
     w_bits = rng.randint(1, 45)
@@ -328,16 +291,10 @@ def links(library, trials):
         yield ["levels", R, exponent, *u, *v, g, h], model.levels(R, exponent, u, v, g, h)
 
 
-def compare(library, trials=TRIALS):
-    pairs = list(links(library, trials))
-    wrong, spans = {}, 0
-    for (question, expected), got in zip(pairs, library.answers(q for q, _ in pairs), strict=True):
-        spans += question[0] == "span" and got[0] == 1
-        if got != expected:
-            wrong.setdefault(question[0], f"{' '.join(map(str, question))}\n    C++    {got}\n    proved {expected}")
-    print(f"{spans} spans and other steps, {len(pairs)} inputs: {'not as proved: ' + ', '.join(wrong) if wrong else 'formulas equal the C++'}")
-    print("\n".join(wrong.values()), end="\n" if wrong else "")
-    return not wrong and spans > trials // 5
+def compared(library):
+    pairs = list(links(library, TRIALS))
+    spans = [k for k, (question, _) in enumerate(pairs) if question[0] == "span"]
+    return compare(library, pairs, lambda answers: sum(answers[k][0] == 1 for k in spans) > TRIALS // 5)
 
 
 # --- proofs --------------------------------------------------------------------------------------------------
@@ -537,8 +494,9 @@ def proves_gradient_is_half_the_slopes(k):
 # --- by enumeration -----------------------------------------------------------------------------------------
 
 
-def enumerates_quotient_shifts(k):
+def enumerates_quotient_shifts(library):
     """coordinates.hpp: every quotient's shift is at least 1 and its result at most 2^30, for all bit lengths and word lengths."""
+    k = library.constants
     top = k["max_extent_log2"][0]
     for w in range(1, 47):
         def good(n, drop, scale):
@@ -558,9 +516,10 @@ def enumerates_quotient_shifts(k):
     return True
 
 
-def enumerates_position_shifts(k):
+def enumerates_position_shifts(library):
     """coordinates.hpp coordinate_at: for every word length and reach the shift is shorter than position_rep, and product and half a unit, or
     the product scaled up, fit it. |n| <= 2^(OB-1) + 2^5, below 2^OB after a series; 1/w < 2. In words of 32 bits profiles are told apart by longest_position_shift()."""
+    k = library.constants
     (c_low, c_high), tolerance = k["coordinate_bits"], k["tolerance_bits"][1]
     for OB, R in itertools.product(*(range(k[n][0], k[n][1] + 1) for n in ("offset_bits", "reciprocal_bits"))):
         if f"width_{OB}_{R}" not in k:
@@ -615,39 +574,5 @@ PROOFS = [proves_newton_step, proves_quotient, proves_pixel_numerator, proves_re
           proves_reference, proves_exact_reference, proves_level_terms, proves_gradient_is_half_the_slopes]
 
 
-def holds(valid, key, good):
-    solver = Solver()
-    solver.set("timeout", LIMIT_MS)
-    solver.add(*valid, *key, Not(good))
-    return solver.check() == unsat
-
-
-def prove(constants):
-    wrong = 0
-    for step in PROOFS:
-        begun, cases = time.monotonic(), list(step(constants))
-        proved = sum(holds(*case) for case in cases)
-        bites = not holds(cases[-1][0], [], cases[-1][2])
-        wrong += not (proved == len(cases) and bites)
-        print(f"{step.__name__[7:]:28} {'proved' if proved == len(cases) else 'NOT PROVED'} ({proved} of {len(cases)}), "
-              f"{'fails' if bites else 'DOES NOT FAIL'} without its precondition, {time.monotonic() - begun:.1f} s", flush=True)
-    return wrong
-
-
-def main():
-    with tempfile.TemporaryDirectory() as folder:
-        library = Library(folder)
-        wrong = not compare(library)
-        for name, good in (("quotient_shifts", lambda: enumerates_quotient_shifts(library.constants)),
-                           ("position_shifts", lambda: enumerates_position_shifts(library.constants)),
-                           ("level_bound", lambda: enumerates_level_bound(library))):
-            verdict = good()
-            wrong += not verdict
-            print(f"{name:28} {'holds' if verdict else 'DOES NOT HOLD'} for every case", flush=True)
-        if "--links" not in sys.argv:
-            wrong += prove(library.constants)
-    return 1 if wrong else 0
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(run("steps.cpp", compared, [enumerates_quotient_shifts, enumerates_position_shifts, enumerates_level_bound], PROOFS))

@@ -1,3 +1,4 @@
 #!/bin/sh
-# The whole suite under clang's address, undefined-behaviour and unsigned-overflow sanitizers: tests/sanitized.py tells what that is.
-exec make --no-print-directory -C "$(dirname "$0")/../.." B="$SPANTEX_BUILD" sanitize
+# The short form of `make sanitize`: of the unit tests the suites of parsers, stores and raw addresses; all else in full. tests/sanitized.py tells what that is.
+exec make --no-print-directory -C "$(dirname "$0")/../.." B="$SPANTEX_BUILD" \
+  SUITES="bench_faults bc draw etc fixed formats global_memory loader pack polygon recording texture wide" sanitize

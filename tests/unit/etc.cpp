@@ -38,22 +38,20 @@ texel_block rgb8a1(const block& b) { texel_block t; decode_etc2_rgb8a1(b.bytes, 
 
 #define ASSERT_COLOUR(actual, ...) assert_true((actual) == (rgba8{__VA_ARGS__}))
 
+// The colours of rows 0 to 3 of columns x0 to x1.
+void assert_rows(const texel_block& t, int x0, int x1, const rgba8 (&rows)[4]) {
+  for (int x = x0; x <= x1; ++x)
+    for (int y = 0; y < 4; ++y) assert_true(at(t, x, y) == rows[y]);
+}
+
 }  // namespace
 
 SPANTEX_CASE(individual_mode) {
   // bases 0x3 0x7 0xC and 0xF 0x0 0x8 times 17, tables 2 (9, 29) and 7 (47, 183), halves side by side
   const block b = made({{4, 3}, {4, 15}, {4, 7}, {4, 0}, {4, 12}, {4, 8}, {3, 2}, {3, 7}, {1, 0}, {1, 0}, paint_is_y[0], paint_is_y[1]});
   const texel_block t = rgb8(b);
-  for (int x = 0; x < 2; ++x) {
-    ASSERT_COLOUR(at(t, x, 0), 60, 128, 213, 255);
-    ASSERT_COLOUR(at(t, x, 1), 80, 148, 233, 255);
-    ASSERT_COLOUR(at(t, x, 2), 42, 110, 195, 255);
-    ASSERT_COLOUR(at(t, x, 3), 22, 90, 175, 255);
-    ASSERT_COLOUR(at(t, x + 2, 0), 255, 47, 183, 255);
-    ASSERT_COLOUR(at(t, x + 2, 1), 255, 183, 255, 255);
-    ASSERT_COLOUR(at(t, x + 2, 2), 208, 0, 89, 255);
-    ASSERT_COLOUR(at(t, x + 2, 3), 72, 0, 0, 255);
-  }
+  assert_rows(t, 0, 1, {{60, 128, 213, 255}, {80, 148, 233, 255}, {42, 110, 195, 255}, {22, 90, 175, 255}});
+  assert_rows(t, 2, 3, {{255, 47, 183, 255}, {255, 183, 255, 255}, {208, 0, 89, 255}, {72, 0, 0, 255}});
 }
 
 SPANTEX_CASE(individual_mode_with_halves_above_each_other) {
@@ -69,26 +67,15 @@ SPANTEX_CASE(differential_mode) {
   // 5-bit bases 10 20 31 (82 165 255), deltas +3 -4 -1: 13 16 30 (107 132 247); tables 0 (2, 8), 5 (24, 80)
   const block b = made({{5, 10}, {3, 3}, {5, 20}, {3, 4}, {5, 31}, {3, 7}, {3, 0}, {3, 5}, {1, 1}, {1, 0}, paint_is_y[0], paint_is_y[1]});
   const texel_block t = rgb8(b);
-  ASSERT_COLOUR(at(t, 0, 0), 84, 167, 255, 255);
-  ASSERT_COLOUR(at(t, 1, 1), 90, 173, 255, 255);
-  ASSERT_COLOUR(at(t, 0, 2), 80, 163, 253, 255);
-  ASSERT_COLOUR(at(t, 1, 3), 74, 157, 247, 255);
-  ASSERT_COLOUR(at(t, 2, 0), 131, 156, 255, 255);
-  ASSERT_COLOUR(at(t, 3, 1), 187, 212, 255, 255);
-  ASSERT_COLOUR(at(t, 2, 2), 83, 108, 223, 255);
-  ASSERT_COLOUR(at(t, 3, 3), 27, 52, 167, 255);
+  assert_rows(t, 0, 1, {{84, 167, 255, 255}, {90, 173, 255, 255}, {80, 163, 253, 255}, {74, 157, 247, 255}});
+  assert_rows(t, 2, 3, {{131, 156, 255, 255}, {187, 212, 255, 255}, {83, 108, 223, 255}, {27, 52, 167, 255}});
 }
 
 SPANTEX_CASE(t_mode) {
   // Red overflows: R = 111 10 = 30, dR = 0 10 = +2. c1 = (1010, 3, 9) = 170 51 153; c2 = (5, 12, 1) = 85 204 17; d number 5 = 32
   const block b = made({{3, 7}, {2, 2}, {1, 0}, {2, 2}, {4, 3}, {4, 9}, {4, 5}, {4, 12}, {4, 1}, {2, 2}, {1, 1}, {1, 1}, paint_is_y[0], paint_is_y[1]});
   const texel_block t = rgb8(b);
-  for (int x = 0; x < 4; ++x) {
-    ASSERT_COLOUR(at(t, x, 0), 170, 51, 153, 255);
-    ASSERT_COLOUR(at(t, x, 1), 117, 236, 49, 255);
-    ASSERT_COLOUR(at(t, x, 2), 85, 204, 17, 255);
-    ASSERT_COLOUR(at(t, x, 3), 53, 172, 0, 255);
-  }
+  assert_rows(t, 0, 3, {{170, 51, 153, 255}, {117, 236, 49, 255}, {85, 204, 17, 255}, {53, 172, 0, 255}});
   // Underflow: R = 000 01 = 1, dR = 1 00 = -4; the red of c1 is 01 00 = 4
   const block low = made({{3, 0}, {2, 1}, {1, 1}, {2, 0}, {4, 3}, {4, 9}, {4, 5}, {4, 12}, {4, 1}, {2, 2}, {1, 1}, {1, 1}, paint_is_y[0], paint_is_y[1]});
   ASSERT_COLOUR(at(rgb8(low), 2, 0), 68, 51, 153, 255);
@@ -101,12 +88,7 @@ SPANTEX_CASE(h_mode) {
   const field all[] = {{1, 0}, {4, 6}, {3, 5}, {3, 0}, {1, 0}, {1, 1}, {1, 1}, {2, 2}, {1, 1}, {4, 6}, {4, 10}, {4, 3}, {1, 1}, {1, 1}, {1, 0},
                        paint_is_y[0], paint_is_y[1]};
   const texel_block t = rgb8(made(all));
-  for (int x = 0; x < 4; ++x) {
-    ASSERT_COLOUR(at(t, x, 0), 134, 202, 253, 255);
-    ASSERT_COLOUR(at(t, x, 1), 70, 138, 189, 255);
-    ASSERT_COLOUR(at(t, x, 2), 134, 202, 83, 255);
-    ASSERT_COLOUR(at(t, x, 3), 70, 138, 19, 255);
-  }
+  assert_rows(t, 0, 3, {{134, 202, 253, 255}, {70, 138, 189, 255}, {134, 202, 83, 255}, {70, 138, 19, 255}});
   // c2 larger (blue 14 = 238): number 100 = 4: 23
   field other[sizeof all / sizeof all[0]];
   for (size_t k = 0; k < sizeof all / sizeof all[0]; ++k) other[k] = all[k];

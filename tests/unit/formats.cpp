@@ -188,15 +188,7 @@ SPANTEX_CASE(the_loader_sends_the_words_of_the_decoded_map) {
         for (int n = 0; n < 40; ++n) {
           const bool coarse = n % 2 != 0;
           const int side = coarse ? 16 : 32;
-          section at{};
-          texel_box box{};
-          at.level = uint8_t(random.next() % uint64_t(m.view.level_count()));
-          at.origin_u = int32_t(random.between(-80, 80));
-          at.origin_v = int32_t(random.between(-80, 80));
-          box.u0 = at.origin_u + int32_t(random.between(0, side - 1));
-          box.v0 = at.origin_v + int32_t(random.between(0, side - 1));
-          box.u1 = int32_t(random.between(box.u0, at.origin_u + side - 1));
-          box.v1 = int32_t(random.between(box.v0, at.origin_v + side - 1));
+          const auto [at, box] = random_section(random, m.view, side);
           const words a = loaded(m.view, at, box, coarse), b = loaded(twin, at, box, coarse);
           assert_memory_equal(&a, &b, sizeof a);
         }

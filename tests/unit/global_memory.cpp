@@ -123,15 +123,7 @@ SPANTEX_CASE(words_read_are_those_that_hold_what_is_loaded) {
           prof.value.fine_side = n % 3 == 0 ? 8 : n % 3 == 1 ? 16 : 32;
           const bool coarse = n % 2 != 0;
           const int side = coarse ? prof.value.fine_side / 2 : prof.value.fine_side;
-          section at{};
-          texel_box box{};
-          at.level = uint8_t(random.next() % uint64_t(t.level_count()));
-          at.origin_u = int32_t(random.between(-80, 80));
-          at.origin_v = int32_t(random.between(-80, 80));
-          box.u0 = at.origin_u + int32_t(random.between(0, side - 1));
-          box.v0 = at.origin_v + int32_t(random.between(0, side - 1));
-          box.u1 = int32_t(random.between(box.u0, at.origin_u + side - 1));
-          box.v1 = int32_t(random.between(box.v0, at.origin_v + side - 1));
+          const auto [at, box] = random_section(random, t, side);
           SPANTEX_ASSERT_OK(load_section(prof, t, at, box, coarse, [](int, const uint64_t*, int) { return status::ok; }));
           assert_int_equal(section_reads(prof, t, at, box, coarse), t.words.size());
         }

@@ -166,18 +166,25 @@ SPANTEX_CASE(spans_across_the_horizon_are_within_a_256th_of_a_level) {
   assert_true(s.worst <= real(1) / 256);
 }
 
-SPANTEX_CASE(the_major_axis_formula_is_within_a_256th_of_a_level) {
-  run_time_profile prof{profiles::exact};
-  prof.value.formula = level_formula::major;
+// Every pixel of the sample planes whose middles are in front of the viewer.
+template <class Level>
+static level_statistics measure_samples(const run_time_profile& prof, const char* name, Level level) {
   const texture_view t = unread_view(4096, 4096);
   level_statistics s;
-  for (int k = 0; k < 3; ++k) {  // their middles are in front of the viewer
+  for (int k = 0; k < 3; ++k) {
     const plane p = sample_plane(k);
     for (int32_t sy = 0; sy < 60; ++sy)
       for (int32_t sx = 0; sx < 80; ++sx)
-        measure_span(prof, p, t, sx, sy, [&](int32_t hx, int32_t hy) { return major_level(p, 640, 480, hx, hy); }, s);
+        measure_span(prof, p, t, sx, sy, [&](int32_t hx, int32_t hy) { return level(p, hx, hy); }, s);
   }
-  s.print("major");
+  s.print(name);
+  return s;
+}
+
+SPANTEX_CASE(the_major_axis_formula_is_within_a_256th_of_a_level) {
+  run_time_profile prof{profiles::exact};
+  prof.value.formula = level_formula::major;
+  const level_statistics s = measure_samples(prof, "major", [](const plane& p, int32_t hx, int32_t hy) { return major_level(p, 640, 480, hx, hy); });
   assert_true(s.pixels > 800000);
   assert_true(s.worst <= real(1) / 256);
 }
@@ -185,16 +192,8 @@ SPANTEX_CASE(the_major_axis_formula_is_within_a_256th_of_a_level) {
 SPANTEX_CASE(the_minor_axis_formula_is_within_a_256th_of_a_level) {
   run_time_profile prof{profiles::exact};
   prof.value.formula = level_formula::minor;
-  const texture_view t = unread_view(4096, 4096);
-  level_statistics s;
   prof.value.level_bias = 48;  // three levels up: most of a magnified plane's minor axes would be below level 0
-  for (int k = 0; k < 3; ++k) {
-    const plane p = sample_plane(k);
-    for (int32_t sy = 0; sy < 60; ++sy)
-      for (int32_t sx = 0; sx < 80; ++sx)
-        measure_span(prof, p, t, sx, sy, [&](int32_t hx, int32_t hy) { return minor_level(p, 640, 480, hx, hy); }, s);
-  }
-  s.print("minor");
+  const level_statistics s = measure_samples(prof, "minor", [](const plane& p, int32_t hx, int32_t hy) { return minor_level(p, 640, 480, hx, hy); });
   assert_true(s.pixels > 800000 && s.inside > 500000);
   assert_true(s.worst <= real(1) / 256);
 }

@@ -5,21 +5,13 @@
 #include <sim/inverse_filter.hpp>
 #include <sim/map.hpp>
 #include <sim/pack.hpp>
+#include <tests/srgb_curve.hpp>
 #include <tests/whole_map.hpp>  // last: cmocka.h defines fail as a macro
 
 using namespace spantex;
 using namespace spantex::sim;
 
 namespace {
-
-double to_linear(double code) {  // 0..255 to 0..1
-  const double x = code / 255;
-  return x <= 0.04045 ? x / 12.92 : std::pow((x + 0.055) / 1.055, 2.4);
-}
-
-double to_code(double linear) {  // 0..1 to 0..255
-  return 255 * (linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055);
-}
 
 // Noise whose colours vary from dark to light, with alpha.
 image coded_noise(int width, int height) {

@@ -1,18 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
-// spantex demo: the three planes with a photographed map (tilted by every filter, from compressed maps, in linear light), KT88's figures, GCK09's
-// chessboard, contours and two models with their own textures, and one table: quality against the reference, and the cost on the simulated engine. Words, stalls and bank conflicts are engine sim's; the time is
-// engine direct's, median of three, on this machine. Both engines must give the same bytes.
+// spantex demo: the three planes with a photographed map (tilted by every filter, with every prefilter and the inverse filter, from compressed maps,
+// in linear light), KT88's figures, GCK09's chessboard, contours, surfaces with alpha and colours of vertices, and two models with their own
+// textures, and one table: quality against the reference, and the cost on the simulated engine. Words, stalls and bank conflicts are engine
+// sim's; the time is engine direct's, median of three, on this machine. Both engines must give the same bytes.
 #include <stdio.h>
 
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <sim/figures.hpp>
 #include <sim/model.hpp>
+#include <sim/pack.hpp>
 #include <sim/quality.hpp>
 #include "commands.hpp"
+#include "demo_surfaces.hpp"
 #include "methods.hpp"
 #include "options.hpp"
 #include "progress.hpp"
@@ -51,6 +55,22 @@ std::vector<sim::scene> scenes(const demo_options& o) {
   add_variant("tilted-bc1", texel_format::bc1, colour_space::coded);
   add_variant("tilted-etc2", texel_format::etc2_rgb8, colour_space::coded);
   add_variant("tilted-srgb", texel_format::rgba8888, colour_space::srgb);
+  // And with levels by other prefilters, and sharpened.
+  const auto add_levels = [&](const char* name, sim::prefilter kind, bool inverse) {
+    sim::compile_options levels;
+    levels.levels = kind;
+    levels.inverse = inverse;
+    sim::map_list maps;
+    maps.emplace_back(sim::compile_pack(*request.texture, levels), name);
+    sim::scene_request variant = request;
+    variant.maps = std::make_shared<const sim::map_list>(std::move(maps));
+    all.push_back(sim::make_named_scene("tilted", variant));
+    all.back().name = name;
+  };
+  add_levels("tilted-triangle", sim::prefilter::triangle, false);
+  add_levels("tilted-kaiser", sim::prefilter::kaiser, false);
+  add_levels("tilted-lanczos", sim::prefilter::lanczos, false);
+  add_levels("tilted-inverse", sim::prefilter::box, true);
   const auto add_model = [&](const char* name, const std::string& file, double yaw, double pitch) {
     sim::camera_options camera;
     camera.yaw_degrees = yaw;
@@ -74,7 +94,7 @@ std::vector<method> methods_of(const sim::scene& s) {
     if (s.name != "tilted") return all;
     for (const filter kind : {filter::nearest, filter::three_point, filter::mip_bilinear, filter::trilinear3, filter::step, filter::hat}) all.push_back({kind, standard});
     for (const level_formula level : {level_formula::major, level_formula::minor})
-      all.push_back({filter::trilinear, standard, sim::sampling_space::screen, {level, {}, {}}});
+      all.push_back({filter::trilinear, standard, sim::sampling_space::screen, {level, {}, {}, {}}});
     return all;
   }
   if (s.name == "contour") return {{filter::contour, exact}, {filter::contour, standard}, {filter::contour, seed}};
@@ -108,6 +128,7 @@ void run(const demo_options& o) {
   for (const judged& r : rows) printf("%s\n", table_line(r).c_str());
   sim::draw_options how;
   how.background = background;
+  draw_surfaces(how, o.out);
   for (const sim::scene& s : all)
     if (s.name == "chessboard") chessboard_experiment(s, how, o.out);
 }

@@ -18,6 +18,7 @@ std::string label_of(const method& m) {
   if (m.changes.level) label += ":level=" + std::string(sim::name_of(sim::level_names, *m.changes.level));
   if (m.changes.max_samples) label += ":samples=" + std::to_string(*m.changes.max_samples);
   if (m.changes.sample_slack) label += ":slack=" + std::to_string(*m.changes.sample_slack);
+  if (m.changes.sample_bias) label += ":bias=" + std::to_string(*m.changes.sample_bias);
   return label;
 }
 

@@ -152,6 +152,7 @@ void drawing_options::add_to(CLI::App& app, bool with_engine) {
   app.add_option("--level", level, "level of detail instead of the profile's: jacobian (longer column), major or minor (KT88's axes)");
   app.add_option("--samples", samples, "filter aniso: at most so many samples along a footprint, 1..16");
   app.add_option("--slack", slack, "filter aniso: samples fewer by so many sixteenths of one, 0..15: quality against cost");
+  app.add_option("--bias", bias, "filter aniso: sixteenths added to the level of the footprint's minor axis, -16..0: sharpness against aliasing");
   wrap_given_ = app.add_option("--wrap", wrap, list_of(sim::wrap_names))->capture_default_str();
   prefilter_given_ = app.add_option("--prefilter", prefilter, list_of(sim::prefilter_names))->capture_default_str();
   format_given_ = app.add_option("--format", format, "texels in global texture memory: " + list_of(sim::format_names))->capture_default_str();
@@ -169,9 +170,10 @@ void drawing_options::add_to(CLI::App& app, bool with_engine) {
 }
 
 void check_changes(const sim::profile_changes& c, filter kind) {
-  if ((c.max_samples || c.sample_slack) && kind != filter::aniso) throw input_error("--samples, --slack: only filter aniso has them");
+  if ((c.max_samples || c.sample_slack || c.sample_bias) && kind != filter::aniso) throw input_error("--samples, --slack, --bias: only filter aniso has them");
   if (c.max_samples && (*c.max_samples < 1 || *c.max_samples > max_footprint_samples)) throw input_error("--samples: outside 1..16");
   if (c.sample_slack && (*c.sample_slack < 0 || *c.sample_slack > 15)) throw input_error("--slack: outside 0..15");
+  if (c.sample_bias && (*c.sample_bias < -16 || *c.sample_bias > 0)) throw input_error("--bias: outside -16..0");
   const bool has_level = uses_levels(kind) && !uses_footprint(kind) && !uses_area(kind);
   if (c.level && !has_level) throw input_error("--level: filter " + std::string(sim::name_of(sim::filter_names, kind)) + " has no level or its own");
 }
@@ -228,6 +230,7 @@ sim::draw_options drawing_options::resolve() const {
   if (level) o.changes.level = value_of(sim::level_names, *level, "level of detail");
   o.changes.max_samples = samples;
   o.changes.sample_slack = slack;
+  o.changes.sample_bias = bias;
   check_changes(o.changes, o.kind);
   if (o.space == sim::sampling_space::object) {
     if (o.engine != sim::engine_choice::direct) throw input_error("--space object: runs on engine direct only");
