@@ -11,6 +11,8 @@
 #include <immintrin.h>
 
 #include <spantex/coordinates.hpp>
+#include <spantex/exp2.hpp>
+#include <spantex/footprint.hpp>
 #include <spantex/level.hpp>
 #include <spantex/reciprocal.hpp>
 
@@ -34,11 +36,13 @@ namespace {
 #include "avx512/sections.hpp"
 #include "avx512/filters.hpp"
 #include "avx512/spans.hpp"
+#include "avx512/aniso.hpp"
 
 template <filter Kind, int Channels>
 SPANTEX_INLINE bool draw_span(const row_work& work, const batch& b, int k) {
   if constexpr (Kind == filter::nearest) return draw_nearest(work, b, k);
   else if constexpr (Kind == filter::bilinear) return draw_bilinear<Channels>(work, b, k);
+  else if constexpr (Kind == filter::aniso) return draw_aniso<Channels>(work, b, k);
   else return draw_by_level<Kind == filter::trilinear, Channels>(work, b, k);
 }
 
@@ -82,6 +86,7 @@ void draw_any_row(const row_work& work) {
     case filter::bilinear: return draw_row<filter::bilinear>(work);
     case filter::mip_bilinear: return draw_row<filter::mip_bilinear>(work);
     case filter::trilinear: return draw_row<filter::trilinear>(work);
+    case filter::aniso: return draw_row<filter::aniso>(work);
     default: break;
   }
   for (int k = 0; k < work.count; ++k) work.left[k] = true;

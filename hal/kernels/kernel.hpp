@@ -35,6 +35,6 @@ row_kernel avx512_kernel();  // null where this machine has not what it takes: A
 inline row_kernel kernel_of(choice c) { return c == choice::scalar ? nullptr : avx512_kernel(); }
 
 // What a kernel can draw.
-constexpr bool draws(filter f) { return f == filter::nearest || f == filter::bilinear || f == filter::mip_bilinear || f == filter::trilinear; }
+constexpr bool draws(filter f) { return f == filter::nearest || f == filter::bilinear || f == filter::mip_bilinear || f == filter::trilinear || f == filter::aniso; }
 
 }  // namespace spantex::kernels

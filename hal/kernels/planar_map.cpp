@@ -8,6 +8,12 @@ int32_t period(wrap mode, int32_t side) { return mode == wrap::clamp ? 0 : mode 
 int32_t length_of(wrap mode, int32_t side) { return mode == wrap::mirror ? 2 * side : side; }
 int32_t blocks_of(wrap mode, int32_t side) { return (length_of(mode, side) + block_side - 1) / block_side; }
 
+// Blocks after which they come again.
+int32_t repeat_of(wrap mode, int32_t side) {
+  const int32_t length = length_of(mode, side);
+  return mode != wrap::clamp && (length % block_side == 0 || block_side % length == 0) ? blocks_of(mode, side) : 0;
+}
+
 // Where each texel from -before on lies on the level.
 std::vector<int32_t> wrapped(int32_t before, int32_t count, const auto& of) {
   std::vector<int32_t> at(size_t(count), 0);
@@ -61,6 +67,8 @@ void planar_map::add_level(const texture_view& view, int k, size_t start) {
   levels_.origin[k] = int32_t(start) + apron * (levels_.row_bytes[k] + block_bytes);
   levels_.last_column[k] = across + apron - 1;
   levels_.last_row[k] = down + apron - 1;
+  levels_.columns[k] = repeat_of(wrap_u_, view.width(k));
+  levels_.rows[k] = repeat_of(wrap_v_, view.height(k));
 }
 
 }  // namespace spantex::kernels

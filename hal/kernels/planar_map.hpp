@@ -23,6 +23,7 @@ struct alignas(64) planar_levels {
   int32_t origin[max_planar_levels] = {};                 // of block (0, 0), texels 0..7 of rows 0..7, in bytes from planar_map::blocks()
   int32_t column_bytes[max_planar_levels] = {}, row_bytes[max_planar_levels] = {};     // from one block to the next
   int32_t last_column[max_planar_levels] = {}, last_row[max_planar_levels] = {};       // blocks from -apron to these hold something
+  int32_t columns[max_planar_levels] = {}, rows[max_planar_levels] = {};               // blocks repeat so; 0 where they do not
 };
 
 // Levels whose sides halve exactly from level 0, in any wrap mode. A period is what positions may be taken modulo: the side, twice the side for

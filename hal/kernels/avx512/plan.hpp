@@ -209,7 +209,9 @@ SPANTEX_INLINE void plan_evaluation(const row_work& work, const setup& s, batch&
   keep(b.slope_log2, slope_log2);
   keep(b.terms, _mm512_mask_mov_epi64(terms, affine, _mm512_setzero_si512()));
   b.usable = s.usable;
-  if constexpr (uses_levels(Kind)) {
+  if constexpr (uses_footprint(Kind)) {
+    return;
+  } else if constexpr (uses_levels(Kind)) {
     plan_levels(s, b);
   } else {
     const __mmask8 flat = _mm512_cmple_epi64_mask(affine_log2, set(-2));

@@ -79,11 +79,24 @@ SPANTEX_INLINE void forms(v16 c, int32_t x, int32_t y, v16 (&out)[quads]) {
   out[3] = _mm512_add_epi32(out[1], below);
 }
 
-SPANTEX_INLINE offsets offsets_of(const batch& b, int k) {
+// A span's pixels in four groups of sixteen, each two pixels along the footprints' major axis if they are long: its texels then lie close together.
+enum class grouping : uint8_t { quads, rows, columns };
+
+SPANTEX_INLINE void forms(grouping how, int32_t c, int32_t x, int32_t y, v16 (&out)[quads]) {
+  if (how == grouping::quads) return forms(set32(c), x, y, out);
+  const v16 along = _mm512_setr_epi32(-7, -5, -3, -1, 1, 3, 5, 7, -7, -5, -3, -1, 1, 3, 5, 7), beside = _mm512_setr_epi32(-7, -7, -7, -7, -7, -7, -7, -7, -5, -5, -5, -5, -5, -5, -5, -5);
+  const bool rows = how == grouping::rows;
+  const v16 a = set32(rows ? x : y), b = set32(rows ? y : x);
+  out[0] = _mm512_add_epi32(_mm512_add_epi32(set32(c), _mm512_mullo_epi32(a, along)), _mm512_mullo_epi32(b, beside));
+#pragma GCC unroll 3
+  for (int n = 1; n < quads; ++n) out[n] = _mm512_add_epi32(out[n - 1], _mm512_slli_epi32(b, 2));
+}
+
+SPANTEX_INLINE offsets offsets_of(const batch& b, int k, grouping how = grouping::quads) {
   offsets o;
-  forms(set32(b.c_u[k]), b.a_u[k], b.b_u[k], o.u);
-  forms(set32(b.c_v[k]), b.a_v[k], b.b_v[k], o.v);
-  forms(_mm512_setzero_si512(), b.g[k], b.h[k], o.e);
+  forms(how, b.c_u[k], b.a_u[k], b.b_u[k], o.u);
+  forms(how, b.c_v[k], b.a_v[k], b.b_v[k], o.v);
+  forms(how, 0, b.g[k], b.h[k], o.e);
   o.bits = b.exponent[k];
   o.half = 1u << (o.bits - q.coordinate_bits - 1);
   const v16 slope_log2 = set32(b.slope_log2[k]);

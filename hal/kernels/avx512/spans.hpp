@@ -4,36 +4,84 @@
 
 // --- what registers do not hold ------------------------------------------------------------------------
 
-// A section too large for registers, or spread over three blocks: the pixels whose texels lie in the same 2x2 blocks together, until none is left.
-// False where the map has no blocks.
-template <int Up>
-SPANTEX_INLINE bool blend_in_parts(const planar_map& map, const positions& p, int level, int32_t rounding, v16 (&out)[channel_count]) {
-  if (level >= map.level_count()) return false;
-  const planar_levels& texels = map.levels();
-  const int32_t last_column = texels.last_column[level], last_row = texels.last_row[level];
-  const samples s = samples16<Up>(snapped16(p, level));
-  const int up = 16 - q.coordinate_bits, cut = p.bits - q.coordinate_bits;
-  const v16 from = set32((1 << (16 + level - q.subtexel_bits - 1)) - (1 << (15 + level)));
-  const auto texel = [&](v16 offset, int32_t base) {
-    const v16 at = _mm512_slli_epi32(_mm512_sra_epi32(_mm512_add_epi32(offset, set32(int32_t(p.half))), _mm_cvtsi32_si128(cut)), unsigned(up));
-    return _mm512_sra_epi32(_mm512_add_epi32(_mm512_add_epi32(at, set32(base << 16)), from), _mm_cvtsi32_si128(16 + level));
+// Positions of sixteen pixels, s15.16 of level 0.
+struct texels16 { v16 u, v; };
+SPANTEX_INLINE texels16 texels_of(const positions& p) {
+  const auto at = [&](v16 offset, int32_t base) {
+    const v16 fraction = _mm512_sra_epi32(_mm512_add_epi32(offset, set32(int32_t(p.half))), _mm_cvtsi32_si128(p.bits - q.coordinate_bits));
+    return _mm512_add_epi32(_mm512_slli_epi32(fraction, 16 - q.coordinate_bits), set32(base << 16));
   };
-  const v16 one = set32(1), u = texel(p.u, p.base_u), v = texel(p.v, p.base_v);
-  const v16 bu = _mm512_srai_epi32(u, 3), bv = _mm512_srai_epi32(v, 3), eu = _mm512_srai_epi32(_mm512_add_epi32(u, one), 3), ev = _mm512_srai_epi32(_mm512_add_epi32(v, one), 3);
+  return {at(p.u, p.base_u), at(p.v, p.base_v)};
+}
+
+// On each lane's level, less half a texel, 7 bits of fraction.
+SPANTEX_INLINE texels16 on_levels(texels16 p, v16 level) {
+  const v16 half = _mm512_sllv_epi32(set32(1 << 8), level), from = _mm512_sub_epi32(half, _mm512_slli_epi32(half, q.subtexel_bits)), drop = _mm512_add_epi32(level, set32(9));
+  return {_mm512_srav_epi32(_mm512_add_epi32(p.u, from), drop), _mm512_srav_epi32(_mm512_add_epi32(p.v, from), drop)};
+}
+
+// u in the lower half of each lane, v in the upper.
+SPANTEX_INLINE v16 halves(texels16 p) { return _mm512_ternarylogic_epi32(p.u, _mm512_slli_epi32(p.v, 16), upper(), 0xD8); }
+
+// The 2x2 blocks from (x, y) on; false where the map has none of them.
+SPANTEX_INLINE bool blocks_at(const planar_map& map, int level, int32_t x, int32_t y, quad_section& out) {
+  if (level >= map.level_count()) return false;
+  const planar_levels& m = map.levels();
+  const auto axis = [&](int32_t k, int32_t period, int32_t repeat, int32_t last, int32_t bytes, int64_t& even, int64_t& odd) {
+    int32_t first = k + (k & 1), second = k | 1;
+    if (repeat > 0) {
+      const bool power = (repeat & (repeat - 1)) == 0;
+      const auto within = [&](int32_t b) { return power ? b & (repeat - 1) : (b % repeat + repeat) % repeat; };
+      first = within(first);
+      second = within(second);
+    } else if (period != 0 && (k < -apron || k + 1 > last)) {
+      return false;
+    }
+    even = int64_t(clamp_to(first, -apron, last)) * bytes;
+    odd = int64_t(clamp_to(second, -apron, last)) * bytes;
+    return true;
+  };
+  int64_t left, right, top, bottom;
+  if (!axis(x, map.period_u(), m.columns[level], m.last_column[level], m.column_bytes[level], left, right)) return false;
+  if (!axis(y, map.period_v(), m.rows[level], m.last_row[level], m.row_bytes[level], top, bottom)) return false;
+  const int64_t origin = m.origin[level];
+  out = {map.blocks(), {origin + left + top, origin + left + bottom}, {origin + right + top, origin + right + bottom}, 0};
+  return true;
+}
+
+// Positions anywhere on any levels: all pixels at once if their texels lie in 2x2 blocks of one level, otherwise those that lie together, until none
+// is left. False where the map has no blocks.
+template <int Up, int Channels>
+SPANTEX_INLINE bool blend_anywhere(const planar_map& map, texels16 p, v16 level, __mmask16 lanes, int32_t rounding, v16 (&out)[Channels]) {
+  const samples s = samples16<Up>(halves(p));
+  const v16 texel = set32(1 << q.subtexel_bits);
+  const auto block = [&](v16 x) { return _mm512_srai_epi32(x, q.subtexel_bits + 3); };
+  const v16 begin = halves({block(p.u), block(p.v)}), end = halves({block(_mm512_add_epi32(p.u, texel)), block(_mm512_add_epi32(p.v, texel))});
+  const auto first_of = [&](__mmask16 some, v16 x) { return _mm_cvtsi128_si32(_mm512_castsi512_si128(_mm512_maskz_compress_epi32(some, x))); };
+  const auto corner = [&](int32_t xy) { return set32(int32_t((uint32_t(xy) & 0xFFFF0000) + 0x10000) | int32_t((uint32_t(xy) + 1) & 0xFFFF)); };
+  quad_section at;
+  // the least block of each axis
+  const v16 some = _mm512_mask_mov_epi32(set32(0x7FFF7FFF), lanes, begin);
+  const __m256i four = _mm256_min_epi16(_mm512_castsi512_si256(some), _mm512_extracti64x4_epi64(some, 1));
+  __m128i two = _mm_min_epi16(_mm256_castsi256_si128(four), _mm256_extracti128_si256(four, 1));
+  two = _mm_min_epi16(two, _mm_shuffle_epi32(two, 0x4E));
+  two = _mm_min_epi16(two, _mm_shuffle_epi32(two, 0xB1));
+  const int32_t least = _mm_cvtsi128_si32(two), whole = first_of(lanes, level);
+  const __mmask32 beyond = _mm512_cmpgt_epi16_mask(_mm512_maskz_mov_epi32(lanes, end), _mm512_maskz_mov_epi32(lanes, corner(least)));
+  if (beyond == 0 && _mm512_mask_cmpneq_epi32_mask(lanes, level, set32(whole)) == 0) [[likely]] {
+    if (!blocks_at(map, whole, int16_t(least), least >> 16, at)) return false;
+#pragma GCC unroll 4
+    for (int k = 0; k < Channels; ++k) out[k] = blended16<true, Up>(at, k, s, rounding);
+    return true;
+  }
   for (v16& c : out) c = _mm512_setzero_si512();
-  for (__mmask16 rest = 0xFFFF; rest != 0;) {
-    const auto first = [&](v16 x) { return _mm_cvtsi128_si32(_mm512_castsi512_si128(_mm512_maskz_compress_epi32(rest, x))); };
-    const int32_t x = first(bu), y = first(bv);
-    const auto within = [&](v16 b, v16 e, int32_t k) { return _mm512_cmpge_epi32_mask(b, set32(k)) & _mm512_cmple_epi32_mask(e, set32(k + 1)); };
-    const __mmask16 these = __mmask16(rest & within(bu, eu, x) & within(bv, ev, y));
-    if (map.period_u() != 0 && (x < -apron || x + 1 > last_column)) return false;
-    if (map.period_v() != 0 && (y < -apron || y + 1 > last_row)) return false;
-    const auto at = [&](int32_t column, int32_t row) {
-      return texels.origin[level] + clamp_to(column, -apron, last_column) * block_bytes + clamp_to(row, -apron, last_row) * texels.row_bytes[level];
-    };
-    const int32_t even_x = x + (x & 1), odd_x = x | 1, even_y = y + (y & 1), odd_y = y | 1;
-    const quad_section section{map.blocks(), {at(even_x, even_y), at(even_x, odd_y)}, {at(odd_x, even_y), at(odd_x, odd_y)}, 0};
-    for (int k = 0; k < channel_count; ++k) out[k] = _mm512_mask_mov_epi32(out[k], these, blended16<true, Up>(section, k, s, rounding));
+  for (__mmask16 rest = lanes; rest != 0;) {
+    const int32_t xy = first_of(rest, begin), l = first_of(rest, level);
+    const __mmask32 low = _mm512_cmpge_epi16_mask(begin, set32(xy)), high = _mm512_cmple_epi16_mask(end, corner(xy));
+    const __mmask16 both = _mm512_cmpeq_epi32_mask(_mm512_movm_epi16(low & high), set32(-1));
+    const __mmask16 these = __mmask16(rest & both & _mm512_cmpeq_epi32_mask(level, set32(l)));
+    if (!blocks_at(map, l, int16_t(xy), xy >> 16, at)) return false;
+    for (int k = 0; k < Channels; ++k) out[k] = _mm512_mask_mov_epi32(out[k], these, blended16<true, Up>(at, k, s, rounding));
     rest = __mmask16(rest & ~these);
   }
   return true;
@@ -88,21 +136,20 @@ SPANTEX_INLINE v16 wrapped16(v16 k, int32_t side, wrap mode) {
   return _mm512_permutexvar_epi32(_mm512_setr_epi32(0, 1, 4, 5, 8, 9, 12, 13, 2, 3, 6, 7, 10, 11, 14, 15), bytes);
 }
 
-// The quad's pixels on any levels, in parts. False where the map has no blocks.
+// The quad's pixels on any levels. False where the map has no blocks.
 template <bool TwoLevels>
-[[gnu::noinline]] bool by_level_in_parts(const planar_map& map, positions p, int32_t last_level, v16 whole, v16 fraction, v16& out) {
+[[gnu::noinline]] bool by_level_anywhere(const planar_map& map, positions p, int32_t last_level, v16 whole, v16 fraction, v16& out) {
   constexpr int up = TwoLevels ? up_between : up_of_one;
   constexpr int32_t rounding = TwoLevels ? 1 << 7 : before_even;
-  for (__mmask16 rest = 0xFFFF; rest != 0;) {
-    const int at = _mm_cvtsi128_si32(_mm512_castsi512_si128(_mm512_maskz_compress_epi32(rest, whole)));
-    const __mmask16 these = _mm512_cmpeq_epi32_mask(whole, set32(at));
-    v16 fine[channel_count], coarse[channel_count];
-    if (!blend_in_parts<up>(map, p, at, rounding, fine)) return false;
-    if (TwoLevels && !blend_in_parts<up>(map, p, min_of(at + 1, last_level), rounding, coarse)) return false;
-    for (int k = 0; k < channel_count; ++k) fine[k] = TwoLevels ? between_levels16(fine[k], coarse[k], level_weights16(fraction)) : even16(fine[k]);
-    out = _mm512_mask_mov_epi32(out, these, packed16(fine));
-    rest &= __mmask16(~these);
+  const texels16 at = texels_of(p);
+  v16 fine[channel_count], coarse[channel_count];
+  if (!blend_anywhere<up>(map, on_levels(at, whole), whole, 0xFFFF, rounding, fine)) return false;
+  if constexpr (TwoLevels) {
+    const v16 next = _mm512_min_epi32(_mm512_add_epi32(whole, set32(1)), set32(last_level));
+    if (!blend_anywhere<up>(map, on_levels(at, next), next, 0xFFFF, rounding, coarse)) return false;
   }
+  for (int k = 0; k < channel_count; ++k) fine[k] = TwoLevels ? between_levels16(fine[k], coarse[k], level_weights16(fraction)) : even16(fine[k]);
+  out = packed16(fine);
   return true;
 }
 
@@ -182,7 +229,7 @@ SPANTEX_INLINE bool blend_quads(const row_work& work, const batch& b, int k, con
   for (int n = 0; n < quads; ++n) {
     const v16 fraction = _mm512_and_si512(level[n], set32(255));
     if (!(fit >> n & 1) || _mm512_cmpneq_epi32_mask(whole[n], set32(fine_of[n])) != 0) [[unlikely]] {
-      if (!by_level_in_parts<TwoLevels>(map, positions_of(b, k, o, n), work.last_level, whole[n], fraction, out[n])) return false;
+      if (!by_level_anywhere<TwoLevels>(map, positions_of(b, k, o, n), work.last_level, whole[n], fraction, out[n])) return false;
       continue;
     }
     const quad_section near = section_of<Wide>(map, fine, n);
