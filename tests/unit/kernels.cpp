@@ -13,7 +13,7 @@ using prof = fixed_profile<profiles::standard>;
 using engine_type = direct_engine<prof>;
 using renderer_type = renderer<engine_type, prof>;
 
-constexpr filter filters[] = {filter::nearest, filter::bilinear, filter::mip_bilinear, filter::trilinear};
+constexpr filter filters[] = {filter::nearest, filter::bilinear, filter::mip_bilinear, filter::trilinear, filter::aniso};
 constexpr wrap wraps[] = {wrap::repeat, wrap::clamp, wrap::mirror};
 
 picture by_kernel, by_scalar;

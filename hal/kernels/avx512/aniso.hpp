@@ -94,7 +94,7 @@ SPANTEX_INLINE grouping grouping_of(const span_coefficients& c) {
   const jacobian j = span_jacobian(q, c);
   const auto length = [&](int64_t u, int64_t v) { return magnitude(u) + magnitude(v); };
   const uint64_t across = length(j.ux, j.vx), down = length(j.uy, j.vy);
-  return down > 2 * across ? grouping::rows : across > 2 * down ? grouping::columns : grouping::quads;
+  return down > 2 * across ? grouping::rows : across > 2 * down ? grouping::columns : grouping::square;
 }
 
 // Groups of columns become quads.
@@ -150,13 +150,22 @@ SPANTEX_INLINE bool draw_aniso(const row_work& work, const batch& b, int k) {
   span_axis(q, c);
   const bool flat = (c.g | c.h) == 0, affine = b.terms[k] == 0;
   const grouping how = grouping_of(c);
-  const offsets o = offsets_of(b, k, how);
-  v16 nu[quads], nv[quads], out[quads];
+  offsets o = offsets_of(b, k, how);
+  v16 nu[quads], nv[quads], level[quads], samples[quads], out[quads];
   forms(how, c.axis.c_u, c.axis.a_u, c.axis.b_u, nu);
   forms(how, c.axis.c_v, c.axis.a_v, c.axis.b_v, nv);
+  __mmask16 several = 0;
 #pragma GCC unroll 1
   for (int n = 0; n < quads; ++n) {
     const shapes16 shape = shapes_of(c.axis, nu[n], nv[n], o.e[n], flat, work.last_level);
+    level[n] = shape.level;
+    samples[n] = shape.samples;
+    several |= _mm512_cmpgt_epi32_mask(shape.samples, set32(1));
+  }
+  if (several == 0 && how == grouping::square) return draw_at_levels<true, Channels>(work, b, k, o, level);
+#pragma GCC unroll 1
+  for (int n = 0; n < quads; ++n) {
+    const shapes16 shape{level[n], samples[n]};
     const v16 one = set32(1), fine_level = _mm512_srli_epi32(shape.level, 8), coarse_level = _mm512_min_epi32(_mm512_add_epi32(fine_level, one), set32(work.last_level));
     const v16 fraction = _mm512_and_si512(shape.level, set32(255)), weights = level_weights16(fraction);
     const int most = _mm512_reduce_max_epi32(shape.samples);

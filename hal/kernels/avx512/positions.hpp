@@ -80,10 +80,10 @@ SPANTEX_INLINE void forms(v16 c, int32_t x, int32_t y, v16 (&out)[quads]) {
 }
 
 // A span's pixels in four groups of sixteen, each two pixels along the footprints' major axis if they are long: its texels then lie close together.
-enum class grouping : uint8_t { quads, rows, columns };
+enum class grouping : uint8_t { square, rows, columns };
 
 SPANTEX_INLINE void forms(grouping how, int32_t c, int32_t x, int32_t y, v16 (&out)[quads]) {
-  if (how == grouping::quads) return forms(set32(c), x, y, out);
+  if (how == grouping::square) return forms(set32(c), x, y, out);
   const v16 along = _mm512_setr_epi32(-7, -5, -3, -1, 1, 3, 5, 7, -7, -5, -3, -1, 1, 3, 5, 7), beside = _mm512_setr_epi32(-7, -7, -7, -7, -7, -7, -7, -7, -5, -5, -5, -5, -5, -5, -5, -5);
   const bool rows = how == grouping::rows;
   const v16 a = set32(rows ? x : y), b = set32(rows ? y : x);
@@ -92,7 +92,7 @@ SPANTEX_INLINE void forms(grouping how, int32_t c, int32_t x, int32_t y, v16 (&o
   for (int n = 1; n < quads; ++n) out[n] = _mm512_add_epi32(out[n - 1], _mm512_slli_epi32(b, 2));
 }
 
-SPANTEX_INLINE offsets offsets_of(const batch& b, int k, grouping how = grouping::quads) {
+SPANTEX_INLINE offsets offsets_of(const batch& b, int k, grouping how = grouping::square) {
   offsets o;
   forms(how, b.c_u[k], b.a_u[k], b.b_u[k], o.u);
   forms(how, b.c_v[k], b.a_v[k], b.b_v[k], o.v);

@@ -255,12 +255,11 @@ SPANTEX_INLINE bool blend_quads(const row_work& work, const batch& b, int k, con
   return true;
 }
 
+// The pixels of quads, levels given.
 template <bool TwoLevels, int Channels>
-SPANTEX_INLINE bool draw_by_level(const row_work& work, const batch& b, int k) {
+SPANTEX_INLINE bool draw_at_levels(const row_work& work, const batch& b, int k, offsets& o, const v16 (&level)[quads]) {
   const planar_map& map = *work.texels;
-  offsets o = offsets_of(b, k);
-  v16 level[quads], whole[quads], out[quads];
-  levels_of(work, b, k, o, level);
+  v16 whole[quads], out[quads];
 #pragma GCC unroll 4
   for (int n = 0; n < quads; ++n)
     whole[n] = TwoLevels ? _mm512_srai_epi32(level[n], 8)
@@ -281,4 +280,12 @@ SPANTEX_INLINE bool draw_by_level(const row_work& work, const batch& b, int k) {
                           : blend_quads<TwoLevels, Channels, false>(work, b, k, o, level, whole, fine_level, coarse_level, fit, fine, coarse, out);
   if (drawn) write(work, b.sx + k, work.masks[b.first + k], out);
   return drawn;
+}
+
+template <bool TwoLevels, int Channels>
+SPANTEX_INLINE bool draw_by_level(const row_work& work, const batch& b, int k) {
+  offsets o = offsets_of(b, k);
+  v16 level[quads];
+  levels_of(work, b, k, o, level);
+  return draw_at_levels<TwoLevels, Channels>(work, b, k, o, level);
 }
