@@ -57,7 +57,7 @@ void draw_row(const row_work& work) {
     plan_bases(work, b.sx, next);
   };
   start(0, two[0]);
-  plan_mantissas(work, next, two[0]);
+  plan_mantissas<Kind>(work, next, two[0]);
   plan_evaluation<Kind>(work, next, two[0]);
   for (int first = 0, turn = 0; first < work.count; first += batch_size, turn ^= 1) {
     const batch& b = two[turn];
@@ -66,7 +66,7 @@ void draw_row(const row_work& work) {
     for (int k = 0; k < count; ++k) {
       if (first + batch_size < work.count) {
         if (k == 1) start(first + batch_size, then);
-        if (k == 3) plan_mantissas(work, next, then);
+        if (k == 3) plan_mantissas<Kind>(work, next, then);
         if (k == 6) plan_evaluation<Kind>(work, next, then);
       }
       if (work.masks[first + k] != 0 && !((b.usable >> k & 1) && draw_span<Kind, Channels>(work, b, k))) work.left[first + k] = true;

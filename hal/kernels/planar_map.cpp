@@ -34,17 +34,15 @@ planar_map::planar_map(const texture_view& view)
   for (const int32_t v : down)
     for (const int32_t u : across) rows_.push_back(view.texel(0, u, v));
 
-  constexpr uint32_t exact = uint32_t(1) << 31;
   size_t bytes = 0;
   std::vector<size_t> starts;
-  for (int k = 0; k < view.level_count() && view.ratio_u(k) == exact && view.ratio_v(k) == exact; ++k) {
+  for (int k = 0; k < view.level_count(); ++k) {
     starts.push_back(bytes);
     bytes += size_t(blocks_of(wrap_u_, view.width(k)) + 2 * apron) * size_t(blocks_of(wrap_v_, view.height(k)) + 2 * apron) * block_bytes;
   }
   blocks_.resize(bytes + block_channel_bytes);
   skew_ = (block_channel_bytes - reinterpret_cast<uintptr_t>(blocks_.data()) % block_channel_bytes) % block_channel_bytes;
-  level_count_ = int(starts.size());
-  for (int k = 0; k < level_count_; ++k) add_level(view, k, starts[size_t(k)]);
+  for (int k = 0; k < view.level_count(); ++k) add_level(view, k, starts[size_t(k)]);
 }
 
 void planar_map::add_level(const texture_view& view, int k, size_t start) {
@@ -69,6 +67,13 @@ void planar_map::add_level(const texture_view& view, int k, size_t start) {
   levels_.last_row[k] = down + apron - 1;
   levels_.columns[k] = repeat_of(wrap_u_, view.width(k));
   levels_.rows[k] = repeat_of(wrap_v_, view.height(k));
+  levels_.period_u[k] = period(wrap_u_, view.width(k));
+  levels_.period_v[k] = period(wrap_v_, view.height(k));
+  levels_.ratio_u[k] = int32_t(view.ratio_u(k));
+  levels_.ratio_v[k] = int32_t(view.ratio_v(k));
+  constexpr uint32_t whole = uint32_t(1) << 31;
+  exact_ &= view.ratio_u(k) == whole && view.ratio_v(k) == whole;
+  steady_ &= (wrap_u_ == wrap::clamp || levels_.columns[k] > 0) && (wrap_v_ == wrap::clamp || levels_.rows[k] > 0);
 }
 
 }  // namespace spantex::kernels

@@ -24,15 +24,17 @@ struct alignas(64) planar_levels {
   int32_t column_bytes[max_planar_levels] = {}, row_bytes[max_planar_levels] = {};     // from one block to the next
   int32_t last_column[max_planar_levels] = {}, last_row[max_planar_levels] = {};       // blocks from -apron to these hold something
   int32_t columns[max_planar_levels] = {}, rows[max_planar_levels] = {};               // blocks repeat so; 0 where they do not
+  int32_t period_u[max_planar_levels] = {}, period_v[max_planar_levels] = {};          // texels repeat so; 0 for clamp
+  int32_t ratio_u[max_planar_levels] = {}, ratio_v[max_planar_levels] = {};            // texture_view::ratio_u(): 2^31 reads as INT32_MIN
 };
 
-// Levels whose sides halve exactly from level 0, in any wrap mode. A period is what positions may be taken modulo: the side, twice the side for
-// mirror; 0 for clamp, where blocks are clamped instead.
+// A period is what positions may be taken modulo: the side, twice the side for mirror; 0 for clamp, where blocks are clamped instead.
 class planar_map {
  public:
   explicit planar_map(const texture_view& view);
   planar_map(planar_map&&) = default;  // and no copy: the blocks are aligned where they are
-  int level_count() const { return level_count_; }        // from 0 on, as many as halve exactly
+  bool exact() const { return exact_; }                   // sides halve exactly from level to level
+  bool steady() const { return steady_; }                 // blocks repeat, or are clamped, on every level
   const planar_levels& levels() const { return levels_; }
   const uint8_t* blocks() const { return blocks_.data() + skew_; }  // 64-byte aligned; values are texels ^ 0x80, signed bytes
   const rgba8* row(int32_t y) const { return rows_.data() + int64_t(y + texel_apron) * row_stride_ + texel_apron; }  // of level 0; x and y from -texel_apron
@@ -53,8 +55,7 @@ class planar_map {
   std::vector<uint8_t> blocks_;
   size_t skew_ = 0;
   std::vector<rgba8> rows_;
-  int level_count_ = 0;
-  bool opaque_ = true;
+  bool exact_ = true, steady_ = true, opaque_ = true;
   int32_t row_stride_ = 0, rows_down_ = 0, width_, height_;
   wrap wrap_u_, wrap_v_;
   int32_t period_u_, period_v_;

@@ -130,8 +130,8 @@ SPANTEX_INLINE bool sum_of_rows(const planar_map& map, texels16 centre, v16 u, v
     const __mmask16 lanes = _mm512_cmpgt_epi32_mask(shape.samples, set32(k)), both = __mmask16(lanes & blended);
     const v16 m = _mm512_mullo_epi32(_mm512_sub_epi32(set32(2 * k + 1), shape.samples), pitch);
     const texels16 at{_mm512_add_epi32(centre.u, along16(u, m)), _mm512_add_epi32(centre.v, along16(v, m))};
-    if (!blend_anywhere<up_between>(map, on_levels(at, fine_level), fine_level, lanes, 1 << 7, fine)) return false;
-    if (both != 0 && !blend_anywhere<up_between>(map, on_levels(at, coarse_level), coarse_level, both, 1 << 7, coarse)) return false;
+    if (!blend_anywhere<up_between>(map, on_levels(map, at, fine_level), fine_level, lanes, 1 << 7, fine)) return false;
+    if (both != 0 && !blend_anywhere<up_between>(map, on_levels(map, at, coarse_level), coarse_level, both, 1 << 7, coarse)) return false;
     const v16 counted = _mm512_maskz_mov_epi32(lanes, weights);
 #pragma GCC unroll 4
     for (int n = 0; n < Channels; ++n) sum[n] = _mm512_dpwssd_epi32(sum[n], _mm512_permutex2var_epi8(fine[n], per_lane(0x42410201), coarse[n]), counted);

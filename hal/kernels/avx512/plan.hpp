@@ -141,6 +141,7 @@ SPANTEX_INLINE void plan_bases(const row_work& work, int32_t sx, setup& s) {
 }
 
 // coordinates_within(), but for the evaluation.
+template <filter Kind>
 SPANTEX_INLINE void plan_mantissas(const row_work& work, setup& s, batch& b) {
   const plane& p = *work.map;
   const v8 zero = _mm512_setzero_si512(), gx = set(p.w.x), gy = set(p.w.y);
@@ -164,7 +165,8 @@ SPANTEX_INLINE void plan_mantissas(const row_work& work, setup& s, batch& b) {
   s.g = quotient8(gx, set(slope_drop), s.inverse.y, slope_shift);
   s.h = quotient8(gy, set(slope_drop), s.inverse.y, slope_shift);
   keep(b.g, s.g); keep(b.h, s.h); keep(b.exponent, s.exponent);
-  keep(b.base_u, modulo(s.base_u, work.texels->period_u())); keep(b.base_v, modulo(s.base_v, work.texels->period_v()));
+  const bool modular = work.texels->exact() || !uses_levels(Kind);  // a level whose side is not exact has a period of its own
+  keep(b.base_u, modulo(s.base_u, modular ? work.texels->period_u() : 0)); keep(b.base_v, modulo(s.base_v, modular ? work.texels->period_v() : 0));
   if (p.rounding_bits == 0) return;
   // rounding_is_small()
   const v8 reached = _mm512_sllv_epi64(set(2), _mm512_max_epi64(_mm512_sub_epi64(set(q.offset_bits - 1), s.exponent), zero));

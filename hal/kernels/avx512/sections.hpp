@@ -60,7 +60,6 @@ SPANTEX_INLINE void find_sections(const planar_map& map, v16 reach, v16 level, s
   __mmask16 bad = __mmask16(0x0F0F & _mm512_cmpgt_epi32_mask(spread, most));
   const __mmask16 strict = __mmask16((map.period_u() != 0 ? 0xFF : 0) | (map.period_v() != 0 ? 0xFF00 : 0));
   bad = __mmask16(bad | (strict & _mm512_cmpneq_epi32_mask(_mm512_max_epi32(_mm512_min_epi32(block, last), least), block)));
-  if (map.level_count() < max_planar_levels) bad = __mmask16(bad | _mm512_cmpge_epi32_mask(level, set32(map.level_count())));
   const v16 start = _mm512_shuffle_i32x4(block, block, 0xA0);  // of u, u, v, v
   v16 parity = _mm512_or_si512(_mm512_andnot_si512(one, _mm512_add_epi32(start, _mm512_sub_epi32(one, ends))), ends);  // the even one, the odd one
   if constexpr (!Wide) parity = _mm512_mask_mov_epi32(parity, 0x00FF, block);

@@ -14,10 +14,35 @@ SPANTEX_INLINE texels16 texels_of(const positions& p) {
   return {at(p.u, p.base_u), at(p.v, p.base_v)};
 }
 
+// on_level() where sides are not exact.
+[[gnu::noinline]] v16 on_inexact_levels(v16 position, const int32_t (&ratios)[max_planar_levels], v16 level) {
+  const v16 ratio = _mm512_permutexvar_epi32(level, _mm512_load_si512(ratios));
+  const auto one = [&](v8 p, v8 r, v8 l) {
+    const v8 half = _mm512_sllv_epi64(set(int64_t(1) << 39), l), from = _mm512_sub_epi64(half, _mm512_slli_epi64(half, q.subtexel_bits));
+    return _mm512_srav_epi64(_mm512_add_epi64(_mm512_mullo_epi64(p, r), from), _mm512_add_epi64(l, set(40)));
+  };
+  const auto low = [&](v16 x) { return _mm512_and_si512(x, set(0xFFFFFFFF)); };
+  const auto high = [&](v16 x) { return _mm512_srli_epi64(x, 32); };
+  const v8 even = one(_mm512_srai_epi64(_mm512_slli_epi64(position, 32), 32), low(ratio), low(level)), odd = one(_mm512_srai_epi64(position, 32), high(ratio), high(level));
+  return _mm512_mask_mov_epi32(even, 0xAAAA, _mm512_slli_epi64(odd, 32));
+}
+
 // On each lane's level, less half a texel, 7 bits of fraction.
-SPANTEX_INLINE texels16 on_levels(texels16 p, v16 level) {
+SPANTEX_INLINE texels16 on_levels(const planar_map& map, texels16 p, v16 level) {
+  if (!map.exact()) [[unlikely]] return {on_inexact_levels(p.u, map.levels().ratio_u, level), on_inexact_levels(p.v, map.levels().ratio_v, level)};
   const v16 half = _mm512_sllv_epi32(set32(1 << 8), level), from = _mm512_sub_epi32(half, _mm512_slli_epi32(half, q.subtexel_bits)), drop = _mm512_add_epi32(level, set32(9));
   return {_mm512_srav_epi32(_mm512_add_epi32(p.u, from), drop), _mm512_srav_epi32(_mm512_add_epi32(p.v, from), drop)};
+}
+
+// Moved by whole periods so that the least position of the lanes lies on the level itself, where blocks do not repeat.
+[[gnu::noinline]] texels16 moved(const planar_map& map, texels16 p, int level, __mmask16 lanes) {
+  const auto axis = [&](v16 x, int32_t repeat, int32_t period) {
+    if (period == 0 || repeat > 0) return x;
+    const int32_t least = _mm512_mask_reduce_min_epi32(lanes, x) >> q.subtexel_bits, past = least % period;
+    return _mm512_sub_epi32(x, set32((least - (past < 0 ? past + period : past)) * (1 << q.subtexel_bits)));
+  };
+  const planar_levels& m = map.levels();
+  return {axis(p.u, m.columns[level], m.period_u[level]), axis(p.v, m.rows[level], m.period_v[level])};
 }
 
 // u in the lower half of each lane, v in the upper.
@@ -25,7 +50,6 @@ SPANTEX_INLINE v16 halves(texels16 p) { return _mm512_ternarylogic_epi32(p.u, _m
 
 // The 2x2 blocks from (x, y) on; false where the map has none of them.
 SPANTEX_INLINE bool blocks_at(const planar_map& map, int level, int32_t x, int32_t y, quad_section& out) {
-  if (level >= map.level_count()) return false;
   const planar_levels& m = map.levels();
   const auto axis = [&](int32_t k, int32_t period, int32_t repeat, int32_t last, int32_t bytes, int64_t& even, int64_t& odd) {
     int32_t first = k + (k & 1), second = k | 1;
@@ -49,39 +73,56 @@ SPANTEX_INLINE bool blocks_at(const planar_map& map, int level, int32_t x, int32
   return true;
 }
 
-// Positions anywhere on any levels: all pixels at once if their texels lie in 2x2 blocks of one level, otherwise those that lie together, until none
-// is left. False where the map has no blocks.
-template <int Up, int Channels>
-SPANTEX_INLINE bool blend_anywhere(const planar_map& map, texels16 p, v16 level, __mmask16 lanes, int32_t rounding, v16 (&out)[Channels]) {
-  const samples s = samples16<Up>(halves(p));
-  const v16 texel = set32(1 << q.subtexel_bits);
-  const auto block = [&](v16 x) { return _mm512_srai_epi32(x, q.subtexel_bits + 3); };
-  const v16 begin = halves({block(p.u), block(p.v)}), end = halves({block(_mm512_add_epi32(p.u, texel)), block(_mm512_add_epi32(p.v, texel))});
-  const auto first_of = [&](__mmask16 some, v16 x) { return _mm_cvtsi128_si32(_mm512_castsi512_si128(_mm512_maskz_compress_epi32(some, x))); };
-  const auto corner = [&](int32_t xy) { return set32(int32_t((uint32_t(xy) & 0xFFFF0000) + 0x10000) | int32_t((uint32_t(xy) + 1) & 0xFFFF)); };
-  quad_section at;
-  // the least block of each axis
+// What is fetched for sixteen pixels on one level: addresses and weights, and the blocks of the first texel and of the last.
+template <int Up>
+struct fetches16 {
+  samples s;
+  v16 begin, end;
+  SPANTEX_INLINE explicit fetches16(texels16 p) : s(samples16<Up>(halves(p))) {
+    const v16 texel = set32(1 << q.subtexel_bits);
+    const auto block = [&](v16 x) { return _mm512_srai_epi32(x, q.subtexel_bits + 3); };
+    begin = halves({block(p.u), block(p.v)});
+    end = halves({block(_mm512_add_epi32(p.u, texel)), block(_mm512_add_epi32(p.v, texel))});
+  }
+};
+
+// The least block of each axis.
+SPANTEX_INLINE int32_t least_of(v16 begin, __mmask16 lanes) {
   const v16 some = _mm512_mask_mov_epi32(set32(0x7FFF7FFF), lanes, begin);
   const __m256i four = _mm256_min_epi16(_mm512_castsi512_si256(some), _mm512_extracti64x4_epi64(some, 1));
   __m128i two = _mm_min_epi16(_mm256_castsi256_si128(four), _mm256_extracti128_si256(four, 1));
   two = _mm_min_epi16(two, _mm_shuffle_epi32(two, 0x4E));
   two = _mm_min_epi16(two, _mm_shuffle_epi32(two, 0xB1));
-  const int32_t least = _mm_cvtsi128_si32(two), whole = first_of(lanes, level);
-  const __mmask32 beyond = _mm512_cmpgt_epi16_mask(_mm512_maskz_mov_epi32(lanes, end), _mm512_maskz_mov_epi32(lanes, corner(least)));
-  if (beyond == 0 && _mm512_mask_cmpneq_epi32_mask(lanes, level, set32(whole)) == 0) [[likely]] {
-    if (!blocks_at(map, whole, int16_t(least), least >> 16, at)) return false;
-#pragma GCC unroll 4
-    for (int k = 0; k < Channels; ++k) out[k] = blended16<true, Up>(at, k, s, rounding);
-    return true;
-  }
-  for (v16& c : out) c = _mm512_setzero_si512();
+  return _mm_cvtsi128_si32(two);
+}
+
+// Positions anywhere on any levels: all pixels at once if their texels lie in 2x2 blocks of one level, otherwise those that lie together, until none
+// is left. False where the map has no blocks.
+template <int Up, int Channels>
+SPANTEX_INLINE bool blend_anywhere(const planar_map& map, texels16 p, v16 level, __mmask16 lanes, int32_t rounding, v16 (&out)[Channels]) {
+  const auto first_of = [&](__mmask16 some, v16 x) { return _mm_cvtsi128_si32(_mm512_castsi512_si128(_mm512_maskz_compress_epi32(some, x))); };
+  const auto corner = [&](int32_t xy) { return _mm512_add_epi16(set32(xy), set32(0x00010001)); };
+  fetches16<Up> f(p);
   for (__mmask16 rest = lanes; rest != 0;) {
-    const int32_t xy = first_of(rest, begin), l = first_of(rest, level);
-    const __mmask32 low = _mm512_cmpge_epi16_mask(begin, set32(xy)), high = _mm512_cmple_epi16_mask(end, corner(xy));
-    const __mmask16 both = _mm512_cmpeq_epi32_mask(_mm512_movm_epi16(low & high), set32(-1));
-    const __mmask16 these = __mmask16(rest & both & _mm512_cmpeq_epi32_mask(level, set32(l)));
-    if (!blocks_at(map, l, int16_t(xy), xy >> 16, at)) return false;
-    for (int k = 0; k < Channels; ++k) out[k] = _mm512_mask_mov_epi32(out[k], these, blended16<true, Up>(at, k, s, rounding));
+    const int32_t whole = first_of(rest, level);
+    __mmask16 these = __mmask16(rest & _mm512_cmpeq_epi32_mask(level, set32(whole)));
+    if (!map.steady()) [[unlikely]] f = fetches16<Up>(moved(map, p, whole, these));
+    int32_t xy = least_of(f.begin, these);
+    if (_mm512_cmpgt_epi16_mask(_mm512_maskz_mov_epi32(these, f.end), _mm512_maskz_mov_epi32(these, corner(xy))) != 0) {
+      if (!map.steady()) f = fetches16<Up>(moved(map, p, whole, __mmask16(these & -these)));
+      xy = first_of(these, f.begin);
+      const __mmask32 near = _mm512_cmpge_epi16_mask(f.begin, set32(xy)) & _mm512_cmple_epi16_mask(f.end, corner(xy));
+      these &= _mm512_cmpeq_epi32_mask(_mm512_movm_epi16(near), set32(-1));
+    }
+    quad_section at;
+    if (!blocks_at(map, whole, int16_t(xy), xy >> 16, at)) return false;
+    if (these == lanes) [[likely]] {
+#pragma GCC unroll 4
+      for (int k = 0; k < Channels; ++k) out[k] = blended16<true, Up>(at, k, f.s, rounding);
+      return true;
+    }
+    const __mmask16 others = rest == lanes ? 0 : __mmask16(~these);
+    for (int k = 0; k < Channels; ++k) out[k] = _mm512_mask_mov_epi32(blended16<true, Up>(at, k, f.s, rounding), others, out[k]);
     rest = __mmask16(rest & ~these);
   }
   return true;
@@ -143,10 +184,10 @@ template <bool TwoLevels>
   constexpr int32_t rounding = TwoLevels ? 1 << 7 : before_even;
   const texels16 at = texels_of(p);
   v16 fine[channel_count], coarse[channel_count];
-  if (!blend_anywhere<up>(map, on_levels(at, whole), whole, 0xFFFF, rounding, fine)) return false;
+  if (!blend_anywhere<up>(map, on_levels(map, at, whole), whole, 0xFFFF, rounding, fine)) return false;
   if constexpr (TwoLevels) {
     const v16 next = _mm512_min_epi32(_mm512_add_epi32(whole, set32(1)), set32(last_level));
-    if (!blend_anywhere<up>(map, on_levels(at, next), next, 0xFFFF, rounding, coarse)) return false;
+    if (!blend_anywhere<up>(map, on_levels(map, at, next), next, 0xFFFF, rounding, coarse)) return false;
   }
   for (int k = 0; k < channel_count; ++k) fine[k] = TwoLevels ? between_levels16(fine[k], coarse[k], level_weights16(fraction)) : even16(fine[k]);
   out = packed16(fine);
@@ -268,6 +309,13 @@ SPANTEX_INLINE bool draw_at_levels(const row_work& work, const batch& b, int k, 
   const v16 coarse_level = TwoLevels ? _mm512_min_epi32(_mm512_add_epi32(fine_level, set32(1)), last) : fine_level;
   shorten(work.last_level, o);
   span_sections fine, coarse;
+  if (!map.exact()) [[unlikely]] {
+#pragma GCC unroll 1
+    for (int n = 0; n < quads; ++n)
+      if (!by_level_anywhere<TwoLevels>(map, positions_of(b, k, o, n), work.last_level, whole[n], _mm512_and_si512(level[n], set32(255)), out[n])) return false;
+    write(work, b.sx + k, work.masks[b.first + k], out);
+    return true;
+  }
   find_sections<false>(map, reach, fine_level, fine);
   const bool wide = fine.fit != 0xF;
   if (wide) find_sections<true>(map, reach, fine_level, fine);
