@@ -110,6 +110,9 @@ void add(draw_counters& sum, const draw_counters& c) {
   sum.loads_skipped += c.loads_skipped;
   sum.second_levels_skipped += c.second_levels_skipped;
   sum.divides += c.divides;
+  sum.affine_jobs += c.affine_jobs;
+  sum.series_jobs += c.series_jobs;
+  sum.divide_jobs += c.divide_jobs;
   sum.corrected_jobs += c.corrected_jobs;
   sum.pixels_left += c.pixels_left;
   sum.pixels_blended += c.pixels_blended;

@@ -34,6 +34,7 @@ struct draw_counters {
   uint64_t loads_skipped = 0;     // sections found loaded already
   uint64_t second_levels_skipped = 0;  // two-level jobs that needed the finer one only
   uint64_t divides = 0;           // reciprocals: one a span, one a pixel where the span needs it
+  uint64_t affine_jobs = 0, series_jobs = 0, divide_jobs = 0;  // by how 1/w is evaluated: not at all, by products, by a reciprocal a pixel
   uint64_t corrected_jobs = 0;    // jobs whose section did not fit and were clamped
   uint64_t pixels_left = 0;       // computed and not written: cut out, or blended with alpha 0
   uint64_t pixels_blended = 0;    // mixed with what was there
@@ -169,6 +170,7 @@ class renderer {
     ++counters_.jobs;
     if (job.completes) counters_.pixels += uint64_t(__builtin_popcountll(job.mask));
     counters_.divides += uint64_t(job.divides);
+    ++(c.how == evaluation::affine ? counters_.affine_jobs : c.how == evaluation::series ? counters_.series_jobs : counters_.divide_jobs);
     if (c.corrects) ++counters_.corrected_jobs;
     if (uses_two_levels(c.kind) && !c.two_levels) ++counters_.second_levels_skipped;
     return status::ok;

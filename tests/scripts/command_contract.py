@@ -86,6 +86,24 @@ def test_stats(folder):
     assert 15 < stats["psnr_db"] < 60 and stats["spans_skipped"]["hidden"] + stats["spans_skipped"]["empty"] > 0
 
 
+def test_evaluations(folder):
+    """How 1/w is evaluated is counted, and is no more than the plane needs: nothing where w is constant, products on an ordinary plane, a
+    reciprocal a pixel only where the slope of w is large."""
+    def counts(matrix, **options):
+        plane(folder, "o.png", matrix=matrix, stats="s.json", filter="trilinear", **options)
+        stats = json.loads((folder / "s.json").read_text())
+        assert sum(stats["evaluations"].values()) == stats["jobs"], stats
+        return stats["evaluations"], stats
+
+    flat, stats = counts("1,0.25,3,-0.25,1,7,0,0,1", profile="exact")
+    assert flat["affine"] == stats["jobs"] and stats["divides"] == stats["spans_total"], stats
+    for profile in ("default", "exact"):
+        ordinary, stats = counts("tilted", profile=profile)
+        assert ordinary["series"] > stats["jobs"] / 2, stats
+    near_horizon, stats = counts("1,0,0,0,1,0,0,0.02,0.01", profile="default")
+    assert near_horizon["divide"] > 0 and near_horizon["series"] > 0, stats
+
+
 def test_engines_agree(folder):
     for filter_name, profile, wrap in itertools.product(FILTERS, PROFILES, WRAPS):
         how = dict(filter=filter_name, profile=profile, wrap=wrap, matrix=TILTED)

@@ -40,6 +40,7 @@ std::string stats_json(const sim::draw_result& r, const sim::draw_options& o, st
   j["words_read"] = w.words_read;
   j["loads_skipped"] = w.loads_skipped;
   j["divides"] = w.divides;
+  j["evaluations"] = {{"affine", w.affine_jobs}, {"series", w.series_jobs}, {"divide", w.divide_jobs}};
   j["second_levels_skipped"] = w.second_levels_skipped;
   j["pixels_left"] = w.pixels_left;
   j["pixels_blended"] = w.pixels_blended;
