@@ -27,9 +27,14 @@ struct row_work {
 
 using row_kernel = void (*)(const row_work&);
 
-enum class choice : uint8_t { fastest, scalar, avx512 };
+enum class choice : uint8_t { fastest, scalar, words, sse41, avx2, neon, avx512 };
 
-row_kernel avx512_kernel();  // null where this machine has not what it takes: AVX-512 F, BW, CD, DQ, VL, VBMI, VNNI
+// Null where this machine has not what it takes.
+row_kernel avx512_kernel();  // AVX-512 F, BW, CD, DQ, VL, VBMI, VNNI
+row_kernel avx2_kernel();    // AVX2, BMI, BMI2, LZCNT
+row_kernel sse41_kernel();   // SSE4.1
+row_kernel neon_kernel();    // arm64
+row_kernel words_kernel();   // anything
 
 // Null: the scalar engine draws everything.
 inline row_kernel kernel_of(choice c) { return c == choice::scalar ? nullptr : avx512_kernel(); }

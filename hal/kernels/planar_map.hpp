@@ -10,6 +10,7 @@
 #include <vector>
 
 #include <spantex/texture.hpp>
+#include "row_levels.hpp"
 
 namespace spantex::kernels {
 
@@ -25,16 +26,20 @@ struct alignas(64) planar_levels {
   int32_t last_column[max_planar_levels] = {}, last_row[max_planar_levels] = {};       // blocks from -apron to these hold something
 };
 
+// What a kernel reads: blocks and the rows of level 0, or all levels in rows.
+enum class layout : uint8_t { blocks, rows };
+
 // Levels whose sides halve exactly from level 0, in any wrap mode. A period is what positions may be taken modulo: the side, twice the side for
 // mirror; 0 for clamp, where blocks are clamped instead.
 class planar_map {
  public:
-  explicit planar_map(const texture_view& view);
+  explicit planar_map(const texture_view& view, layout of = layout::blocks);
   planar_map(planar_map&&) = default;  // and no copy: the blocks are aligned where they are
   int level_count() const { return level_count_; }        // from 0 on, as many as halve exactly
   const planar_levels& levels() const { return levels_; }
   const uint8_t* blocks() const { return blocks_.data() + skew_; }  // 64-byte aligned; values are texels ^ 0x80, signed bytes
   const rgba8* row(int32_t y) const { return rows_.data() + int64_t(y + texel_apron) * row_stride_ + texel_apron; }  // of level 0; x and y from -texel_apron
+  const row_levels& levels_in_rows() const { return levels_in_rows_; }  // empty but for layout::rows
   bool opaque() const { return opaque_; }                 // every texel of every level has alpha 255
   int32_t row_stride() const { return row_stride_; }
   int32_t rows_across() const { return row_stride_ - 2 * texel_apron; }
@@ -52,6 +57,7 @@ class planar_map {
   std::vector<uint8_t> blocks_;
   size_t skew_ = 0;
   std::vector<rgba8> rows_;
+  row_levels levels_in_rows_;
   int level_count_ = 0;
   bool opaque_ = true;
   int32_t row_stride_ = 0, rows_down_ = 0, width_, height_;

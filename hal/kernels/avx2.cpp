@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+// The vector kernel with AVX2: eight 32-bit lanes.
+#include "kernel.hpp"
+
+#if defined(__x86_64__)
+#include <immintrin.h>
+
+#include <spantex/coordinates.hpp>
+#include <spantex/level.hpp>
+
+// What the headers define stays compiled for any machine.
+#if defined(__clang__)
+#pragma clang attribute push(__attribute__((target("avx2,bmi,bmi2,lzcnt"))), apply_to = function)
+#else
+#pragma GCC push_options
+#pragma GCC target("avx2,bmi,bmi2,lzcnt")
+#endif
+
+namespace spantex::kernels {
+namespace {
+
+#define SPANTEX_AVX2 1
+#include "vectors/inline.hpp"
+#include "vectors/plan.hpp"
+#include "vectors/x86.hpp"
+#include "vectors/positions.hpp"
+#include "vectors/spans.hpp"
+
+}  // namespace
+}  // namespace spantex::kernels
+
+#if defined(__clang__)
+#pragma clang attribute pop
+#else
+#pragma GCC pop_options
+#endif
+
+namespace spantex::kernels {
+
+row_kernel avx2_kernel() {
+  const bool has = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2") && __builtin_cpu_supports("lzcnt");
+  return has ? draw_any_row : nullptr;
+}
+
+}  // namespace spantex::kernels
+
+#else
+namespace spantex::kernels {
+row_kernel avx2_kernel() { return nullptr; }
+}  // namespace spantex::kernels
+#endif
