@@ -4,16 +4,13 @@
 
 #if SPANTEX_AVX2
 #define SPANTEX_OP(name) _mm256_##name
-#define SPANTEX_BITS(name) _mm256_##name##_si256
 using raw = __m256i;
 #else
 #define SPANTEX_OP(name) _mm_##name
-#define SPANTEX_BITS(name) _mm_##name##_si128
 using raw = __m128i;
 #endif
 
-constexpr int width = sizeof(raw) / sizeof(int32_t);
-typedef int32_t v __attribute__((vector_size(sizeof(raw))));
+static_assert(sizeof(v) == sizeof(raw));
 
 // Sixteen bytes in each half of a register.
 SPANTEX_INLINE v of_each_half(__m128i x) {
@@ -24,36 +21,11 @@ SPANTEX_INLINE v of_each_half(__m128i x) {
 #endif
 }
 
-SPANTEX_INLINE v set(int32_t x) { return v(SPANTEX_OP(set1_epi32)(x)); }
-SPANTEX_INLINE v get(const int32_t* from) { return v(SPANTEX_BITS(load)(reinterpret_cast<const raw*>(from))); }
-SPANTEX_INLINE void put(int32_t* to, v x) { SPANTEX_BITS(store)(reinterpret_cast<raw*>(to), raw(x)); }
-SPANTEX_INLINE void put(rgba8* to, v x) { SPANTEX_BITS(storeu)(reinterpret_cast<raw*>(to), raw(x)); }
-SPANTEX_INLINE v least(v a, v b) { return v(SPANTEX_OP(min_epi32)(raw(a), raw(b))); }
-SPANTEX_INLINE v largest(v a, v b) { return v(SPANTEX_OP(max_epi32)(raw(a), raw(b))); }
 SPANTEX_INLINE v products(v a, v b) { return v(SPANTEX_OP(madd_epi16)(raw(a), raw(b))); }  // of both halves of a lane, added up
 SPANTEX_INLINE v halves(v low, v high) { return v(SPANTEX_OP(blend_epi16)(raw(low), raw(high), 0xAA)); }
-SPANTEX_INLINE v add16(v a, v b) { return v(SPANTEX_OP(add_epi16)(raw(a), raw(b))); }
-SPANTEX_INLINE v subtract16(v a, v b) { return v(SPANTEX_OP(sub_epi16)(raw(a), raw(b))); }
-SPANTEX_INLINE v least16(v a, v b) { return v(SPANTEX_OP(min_epi16)(raw(a), raw(b))); }
-SPANTEX_INLINE v largest16(v a, v b) { return v(SPANTEX_OP(max_epi16)(raw(a), raw(b))); }
-SPANTEX_INLINE v least16_unsigned(v a, v b) { return v(SPANTEX_OP(min_epu16)(raw(a), raw(b))); }
-SPANTEX_INLINE v levels16(const int16_t* from) {
-#if SPANTEX_AVX2
-  return v(_mm256_slli_epi32(_mm256_cvtepi16_epi32(_mm_loadu_si128(reinterpret_cast<const __m128i*>(from))), 6));
-#else
-  return v(_mm_slli_epi32(_mm_cvtepi16_epi32(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(from))), 6));
-#endif
-}
-SPANTEX_INLINE bool all_equal(v a, int32_t b) {
-  return SPANTEX_OP(movemask_epi8)(SPANTEX_OP(cmpeq_epi32)(raw(a), SPANTEX_OP(set1_epi32)(b))) == int(width == 8 ? 0xFFFFFFFF : 0xFFFF);
-}
-SPANTEX_INLINE v half_pixels_across() {
-#if SPANTEX_AVX2
-  return v{-7, -5, -3, -1, 1, 3, 5, 7};
-#else
-  return v{-7, -5, -3, -1};
-#endif
-}
+template <int K>
+SPANTEX_INLINE v lane_of(v x) { return v(SPANTEX_OP(shuffle_epi32)(raw(x), 0x55 * K)); }
+SPANTEX_INLINE bool all_equal(v a, int32_t b) { return SPANTEX_OP(movemask_epi8)(raw(a == b)) == int(width == 8 ? 0xFFFFFFFF : 0xFFFF); }
 
 // Texels 0 and 1 of two rows.
 SPANTEX_INLINE __m128i texels_of(const rgba8* top, const rgba8* bottom) {
@@ -85,50 +57,22 @@ SPANTEX_INLINE blends blend(const rgba8* top, const uint32_t* top_at, const rgba
   return b;
 }
 
-// To whole numbers, halves to even.
-SPANTEX_INLINE v even(v x, int fraction) { return (x + ((1 << (fraction - 1)) - 1) + ((x >> fraction) & 1)) >> fraction; }
-
-SPANTEX_INLINE v packed(const v (&x)[4]) {
-  const auto words = [](v a, v b) { return SPANTEX_OP(packs_epi32)(raw(a), raw(b)); };
-  return v(SPANTEX_OP(packus_epi16)(words(x[0], x[1]), words(x[2], x[3])));
+SPANTEX_INLINE v packed(v a, v b, v c, v d) {
+  return v(SPANTEX_OP(packus_epi16)(SPANTEX_OP(packs_epi32)(raw(a), raw(b)), SPANTEX_OP(packs_epi32)(raw(c), raw(d))));
 }
 
-SPANTEX_INLINE v pixels_of(const blends& b) {
-  v x[4];
-#pragma GCC unroll 4
-  for (int k = 0; k < 4; ++k) x[k] = even(b.quad[k], blend_fraction);
-  return packed(x);
+SPANTEX_INLINE __m128i four_texels(const rgba8* from, const uint32_t* at) {  // by insertion: single stores would be waited for by the load of all
+  const auto texel = [&](int k) {
+    int32_t t;
+    __builtin_memcpy(&t, from + at[k], sizeof t);
+    return t;
+  };
+  return _mm_insert_epi32(_mm_insert_epi32(_mm_insert_epi32(_mm_cvtsi32_si128(texel(0)), texel(1), 1), texel(2), 2), texel(3), 3);
 }
-
-// Two levels, each rounded to 7 bits of fraction first; fraction of 256 a lane.
-SPANTEX_INLINE v pixels_between(const blends& fine, const blends& coarse, v fraction) {
-  constexpr int drop = blend_fraction - q.blend_bits;
-  const v weights = (fraction << 16) + (256 - fraction);
-  v x[4];
-#define SPANTEX_BETWEEN(k)                                                                                                            \
-  x[k] = even(products(halves((fine.quad[k] + (1 << (drop - 1))) >> drop, (coarse.quad[k] + (1 << (drop - 1))) << (16 - drop)), \
-                                                    v(SPANTEX_OP(shuffle_epi32)(raw(weights), 0x55 * (k)))), \
-              q.blend_bits + q.level_bits)
-  SPANTEX_BETWEEN(0);
-  SPANTEX_BETWEEN(1);
-  SPANTEX_BETWEEN(2);
-  SPANTEX_BETWEEN(3);
-#undef SPANTEX_BETWEEN
-  return packed(x);
-}
-
-// One level of two: the coarse one has no weight.
-SPANTEX_INLINE v pixels_of_level(const blends& b) {
-  constexpr int drop = blend_fraction - q.blend_bits;
-  v x[4];
-#pragma GCC unroll 4
-  for (int k = 0; k < 4; ++k) x[k] = even((b.quad[k] + (1 << (drop - 1))) >> drop, q.blend_bits);
-  return packed(x);
-}
-
 SPANTEX_INLINE v texels_at(const rgba8* from, const uint32_t* at) {
-  alignas(sizeof(raw)) int32_t out[width];
-#pragma GCC unroll 8
-  for (int k = 0; k < width; ++k) __builtin_memcpy(out + k, from + at[k], sizeof(rgba8));
-  return get(out);
+#if SPANTEX_AVX2
+  return v(_mm256_inserti128_si256(_mm256_castsi128_si256(four_texels(from, at)), four_texels(from, at + 4), 1));
+#else
+  return v(four_texels(from, at));
+#endif
 }
