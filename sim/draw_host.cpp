@@ -44,7 +44,7 @@ prepared prepare(const scene& s, const draw_options& o) {
   if (!wanted || std::all_of(s.items.begin(), s.items.end(), [](const drawable& d) { return d.is_polygon; })) return p;
   p.kernel = kernels::kernel_of(o.kernel);
   if (p.kernel != nullptr)
-    for (const texture_map& map : *s.maps) p.maps.emplace_back(map.view());
+    for (const texture_map& map : *s.maps) p.maps.emplace_back(map.view(), kernels::layout_of(o.kernel));
   return p;
 }
 
@@ -235,7 +235,7 @@ draw_result draw(const scene& s, const draw_options& options) {
   std::vector<uint32_t> depth(s.uses_depth() ? result.picture.pixels.size() : 0);
   const std::vector<band> bands = make_bands(s.size.height_px, options.sink != nullptr ? 1 : options.threads);
   const prepared ready = prepare(s, options);
-  if (ready.kernel != nullptr) result.kernel = name_of(kernel_names, kernels::choice::avx512);
+  if (ready.kernel != nullptr) result.kernel = name_of(kernel_names, kernels::resolved(options.kernel));
   std::vector<double> times;
   for (int k = 0; k < std::max(1, options.repeat); ++k) 
     times.push_back(options.space == sampling_space::object ? draw_in_object_space(s, options, result) : draw_once(s, options, ready, bands, result, depth));

@@ -36,8 +36,14 @@ row_kernel sse41_kernel();   // SSE4.1
 row_kernel neon_kernel();    // arm64
 row_kernel words_kernel();   // anything
 
-// Null: the scalar engine draws everything.
-inline row_kernel kernel_of(choice c) { return c == choice::scalar ? nullptr : avx512_kernel(); }
+// What `fastest` is on this machine; any other choice itself.
+choice resolved(choice c);
+
+// Null: the scalar engine draws everything, chosen or for want of what the choice takes.
+row_kernel kernel_of(choice c);
+
+// How maps must be made ready for it.
+layout layout_of(choice c);
 
 // What a kernel can draw.
 constexpr bool draws(filter f) { return f == filter::nearest || f == filter::bilinear || f == filter::mip_bilinear || f == filter::trilinear; }
