@@ -4,6 +4,8 @@
 
 typedef int32_t v __attribute__((vector_size(4 * width)));
 typedef int16_t v_words __attribute__((vector_size(4 * width)));
+typedef uint32_t v_32 __attribute__((vector_size(4 * width)));
+typedef uint64_t v_64 __attribute__((vector_size(4 * width)));  // half as many lanes: even ones, or odd ones shifted down
 typedef uint16_t v_unsigned __attribute__((vector_size(4 * width)));
 
 SPANTEX_INLINE v set(int32_t x) { return v{} + x; }

@@ -11,6 +11,11 @@ template <int K>
 SPANTEX_INLINE v lane_of(v x) { return v(vdupq_laneq_s32(int32x4_t(x), K)); }
 SPANTEX_INLINE bool all_equal(v a, int32_t b) { return vminvq_u32(uint32x4_t(a == b)) != 0; }
 
+// Of the even lanes.
+SPANTEX_INLINE v_64 wide_products(v_64 a, v_64 b) { return v_64(vmull_u32(vmovn_u64(uint64x2_t(a)), vmovn_u64(uint64x2_t(b)))); }
+SPANTEX_INLINE v_64 wide_signed_products(v_64 a, v_64 b) { return v_64(vmull_s32(vmovn_s64(int64x2_t(a)), vmovn_s64(int64x2_t(b)))); }
+SPANTEX_INLINE v look_up(const int32_t* table, v at) { return v{table[at[0]], table[at[1]], table[at[2]], table[at[3]]}; }
+
 // 2x2 texels of pixels interpolated: pixel k in quad[k], a channel a lane, 14 bits of fraction.
 struct blends { v quad[4]; };
 constexpr int blend_fraction = 14;

@@ -60,14 +60,62 @@ SPANTEX_INLINE void find_positions(const span_coefficients& c, span_positions& o
   }
 }
 
-// What takes more than 16-bit products: the scalar datapath.
+// --- the divide: 64 bits a pixel, even lanes and odd ones ------------------------------------------------
+
+struct wide_seed_table {
+  int32_t seed[1 << reciprocal_seed_bits];
+  constexpr wide_seed_table() : seed() {
+    for (int k = 0; k < 1 << reciprocal_seed_bits; ++k) seed[k] = int32_t(uint32_t(reciprocal_seeds.seed[k]) << 16);
+  }
+};
+constexpr wide_seed_table wide_seeds{};
+
+// newton_step(): y is 2^31 or more, so that its signed value is 2^32 less.
+SPANTEX_INLINE v_64 newton(v_64 m, v_64 y) {
+  const v_64 error = ((uint64_t(1) << 63) - wide_products(m, y)) >> 32;
+  const v_64 next = ((y << 31) + wide_signed_products(y, error) + (error << 32)) >> 31;
+  return next - (next >> 32);
+}
+
+// reciprocal_of_w(w, 30), w in (1/2, 3/2).
+struct wide_reciprocals { v_64 even, odd; };
+SPANTEX_INLINE wide_reciprocals reciprocals_of(v w) {
+  const v below_one = (w >> 30) - 1;
+  const v_32 twice = v_32(w) << 1, m = twice + (twice & v_32(below_one));
+  const v_64 y = v_64(look_up(wide_seeds.seed, v((m >> 24) & 127)));
+  const auto one = [&](v_64 mantissa, v_64 seed, v_64 small) SPANTEX_INLINED {
+    const v_64 r = newton(mantissa, newton(mantissa, seed));
+    return (r + (r & small) + 2) >> 2;
+  };
+  return {one(v_64(m), y & 0xFFFFFFFF, v_64(below_one)), one(v_64(m) >> 32, y >> 32, v_64(below_one) >> 32)};
+}
+
+// n / w, rounded to coordinate_bits; shift is 32 or more.
+SPANTEX_INLINE v divided(v n, const wide_reciprocals& r, int shift) {
+  const uint64_t half = uint64_t(1) << (shift - 1);
+  const v_64 even = wide_signed_products(v_64(n), r.even) + half, odd = wide_signed_products(v_64(n) >> 32, r.odd) + half;
+  return v((even >> 32) | (odd & 0xFFFFFFFF00000000)) >> (shift - 32);
+}
+static_assert(q.offset_bits - 1 - max_extent_log2 - q.coordinate_bits + q.reciprocal_bits >= 32);
+
 [[gnu::noinline]] void divide_positions(const span_coefficients& c, span_positions& out) {
-  for (int k = 0; k < span_pixel_count; ++k) {
-    const texel_position p = position_at(prof{}, c, k % span_side, k / span_side);
-    out.u[k] = p.u.raw() >> (16 - q.coordinate_bits);
-    out.v[k] = p.v.raw() >> (16 - q.coordinate_bits);
+  const int shift = c.exponent - q.coordinate_bits + q.reciprocal_bits;
+  const int32_t base_u = c.base_u * (1 << q.coordinate_bits), base_v = c.base_v * (1 << q.coordinate_bits);
+  for (int part = 0; part < parts; ++part) {
+    form nu(c.c_u, c.a_u, c.b_u, part), nv(c.c_v, c.a_v, c.b_v, part), nw(1 << q.reciprocal_bits, c.g, c.h, part);
+    for (int y = 0; y < span_side; ++y) {
+      const wide_reciprocals r = reciprocals_of(nw.at);
+      const int at = span_side * y + width * part;
+      put(out.u + at, divided(nu.at, r, shift) + base_u);
+      put(out.v + at, divided(nv.at, r, shift) + base_v);
+      nu.next();
+      nv.next();
+      nw.next();
+    }
   }
 }
+
+// level_at() where it takes a table: the scalar datapath.
 [[gnu::noinline]] void steep_levels(const span_coefficients& c, span_positions& out) {
   for (int k = 0; k < span_pixel_count; ++k) out.level[k] = level_at(prof{}, c, k % span_side, k / span_side);
 }
@@ -81,7 +129,7 @@ SPANTEX_INLINE void find_positions(const span_coefficients& c, span_positions& o
     case 3: find_positions<3, Levels>(c, out); break;
     case 4: find_positions<4, Levels>(c, out); break;
     default:
-      if (Levels) find_positions<0, Levels>(c, out);
+      if (Levels && c.slope_log2 <= most_level_slope_log2) find_positions<0, Levels>(c, out);
       divide_positions(c, out);
       break;
   }

@@ -13,6 +13,15 @@ SPANTEX_INLINE bool all_equal(v a, int32_t b) {
   return all == 0;
 }
 
+// Of the even lanes.
+SPANTEX_INLINE v_64 wide_products(v_64 a, v_64 b) { return (a & 0xFFFFFFFF) * (b & 0xFFFFFFFF); }
+SPANTEX_INLINE v_64 wide_signed_products(v_64 a, v_64 b) {
+  v_64 x{};
+  for (size_t k = 0; k < sizeof x / sizeof x[0]; ++k) x[k] = uint64_t(int64_t(int32_t(uint32_t(a[k]))) * int32_t(uint32_t(b[k])));
+  return x;
+}
+SPANTEX_INLINE v look_up(const int32_t* table, v at) { return v{table[at[0]], table[at[1]], table[at[2]], table[at[3]]}; }
+
 // 2x2 texels of each pixel interpolated: two channels a word, 32 bits each, 14 bits of fraction.
 struct blends { uint64_t even[width], odd[width]; };
 constexpr int blend_fraction = 14, blend_drop = blend_fraction - q.blend_bits;

@@ -27,6 +27,17 @@ template <int K>
 SPANTEX_INLINE v lane_of(v x) { return v(SPANTEX_OP(shuffle_epi32)(raw(x), 0x55 * K)); }
 SPANTEX_INLINE bool all_equal(v a, int32_t b) { return SPANTEX_OP(movemask_epi8)(raw(a == b)) == int(width == 8 ? 0xFFFFFFFF : 0xFFFF); }
 
+// Of the even lanes.
+SPANTEX_INLINE v_64 wide_products(v_64 a, v_64 b) { return v_64(SPANTEX_OP(mul_epu32)(raw(a), raw(b))); }
+SPANTEX_INLINE v_64 wide_signed_products(v_64 a, v_64 b) { return v_64(SPANTEX_OP(mul_epi32)(raw(a), raw(b))); }
+SPANTEX_INLINE v look_up(const int32_t* table, v at) {
+#if SPANTEX_AVX2
+  return v(_mm256_i32gather_epi32(table, raw(at), 4));
+#else
+  return v{table[at[0]], table[at[1]], table[at[2]], table[at[3]]};
+#endif
+}
+
 // Texels 0 and 1 of two rows.
 SPANTEX_INLINE __m128i texels_of(const rgba8* top, const rgba8* bottom) {
   return _mm_castps_si128(_mm_loadh_pi(_mm_castsi128_ps(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(top))), reinterpret_cast<const __m64*>(bottom)));
