@@ -12,11 +12,11 @@ namespace spantex::kernels {
 namespace {
 
 constexpr int width = 4;
-#include "vectors/inline.hpp"
-#include "vectors/plan.hpp"
+#include "vectors/common.hpp"
 #include "vectors/lanes.hpp"
 #include "vectors/neon.hpp"
 #include "vectors/pixels.hpp"
+#include "vectors/plan.hpp"
 #include "vectors/positions.hpp"
 #include "vectors/spans.hpp"
 

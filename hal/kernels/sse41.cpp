@@ -20,12 +20,12 @@ namespace spantex::kernels {
 namespace {
 
 #define SPANTEX_AVX2 0
-#include "vectors/inline.hpp"
-#include "vectors/plan.hpp"
+#include "vectors/common.hpp"
 constexpr int width = SPANTEX_AVX2 ? 8 : 4;
 #include "vectors/lanes.hpp"
 #include "vectors/x86.hpp"
 #include "vectors/pixels.hpp"
+#include "vectors/plan.hpp"
 #include "vectors/positions.hpp"
 #include "vectors/spans.hpp"
 
