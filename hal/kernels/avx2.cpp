@@ -3,6 +3,7 @@
 #include "kernel.hpp"
 
 #if defined(__x86_64__)
+#include <cpuid.h>
 #include <immintrin.h>
 
 #include <spantex/coordinates.hpp>
@@ -40,8 +41,17 @@ constexpr int width = SPANTEX_AVX2 ? 8 : 4;
 
 namespace spantex::kernels {
 
+namespace {
+
+bool has_lzcnt() {  // not every compiler has a name for it
+  unsigned a, b, c, d;
+  return __get_cpuid(0x80000001, &a, &b, &c, &d) != 0 && (c >> 5 & 1) != 0;
+}
+
+}  // namespace
+
 row_kernel avx2_kernel() {
-  const bool has = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2") && __builtin_cpu_supports("lzcnt");
+  const bool has = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2") && has_lzcnt();
   return has ? draw_any_row : nullptr;
 }
 

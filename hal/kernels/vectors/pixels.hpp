@@ -1,30 +1,33 @@
 // SPDX-License-Identifier: Apache-2.0
-// Vector kernels: write-out of interpolated texels. A machine has blends with quad[4], a channel a lane and blend_fraction bits of fraction, packed() of
-// four, and lane_of<K>(): lane K of each 16 bytes, all over them. Included by the machines' files alone.
+// Vector kernels: from four texels to a pixel, a channel a 16-bit word. Included by the machines' files alone.
+//
+// Between x and y, 8.7 each, by f of 2^n: x + (d f) / 2^n, d = y - x. Its whole part R = (d f + 2^(n-1)) >> n is one rounding product, of d and f 2^(15-n);
+// x + R is the level's colour as the scalar filter keeps it. What R leaves out, e = d f - R 2^n in [-2^(n-1), 2^(n-1)), decides a half: the lower half of
+// the product of d and f 2^(16-n) is e 2^(16-n).
 #pragma once
 
-// To whole numbers, halves to even.
-SPANTEX_INLINE v even(v x, int fraction) { return (x + ((1 << (fraction - 1)) - 1) + ((x >> fraction) & 1)) >> fraction; }
+// 8.7 and the sign of what was left out, to whole numbers: halves to even.
+SPANTEX_INLINE v even(v x, v rest) {
+  const v up = v(v_words(add16(rest, x & 0x00800080)) > 0);  // -1; rest has nothing at bit 7 and below
+  return v(v_words(subtract16(add16(x, set(0x003F003F)), up)) >> q.blend_bits);
+}
+
+SPANTEX_INLINE v level_colour(const blends& b, int k) { return from_first(rounding_products(b.change[k], b.weight[k]), b.first[k]); }
 
 SPANTEX_INLINE v pixels_of(const blends& b) {
-  return packed(even(b.quad[0], blend_fraction), even(b.quad[1], blend_fraction), even(b.quad[2], blend_fraction), even(b.quad[3], blend_fraction));
+  const auto one = [&](int k) SPANTEX_INLINED { return even(level_colour(b, k), low_products(b.change[k], add16(b.weight[k], b.weight[k]))); };
+  return packed(one(0), one(1));
 }
 
-constexpr int blend_drop = blend_fraction - q.blend_bits;
-
-// Two levels, each rounded to blend_bits first; fraction of 256 a lane.
-template <int K>
-SPANTEX_INLINE v between(const blends& fine, const blends& coarse, v weights) {
-  const v near = (fine.quad[K] + (1 << (blend_drop - 1))) >> blend_drop, far = (coarse.quad[K] + (1 << (blend_drop - 1))) << (16 - blend_drop);
-  return even(products(halves(near, far), lane_of<K>(weights)), q.blend_bits + q.level_bits);
-}
+// Two levels; fraction of 256 a lane.
 SPANTEX_INLINE v pixels_between(const blends& fine, const blends& coarse, v fraction) {
-  const v weights = (fraction << 16) + (256 - fraction);
-  return packed(between<0>(fine, coarse, weights), between<1>(fine, coarse, weights), between<2>(fine, coarse, weights), between<3>(fine, coarse, weights));
+  const v weights = fraction << (15 - q.level_bits);
+  const auto one = [&](int k) SPANTEX_INLINED {
+    const v near = level_colour(fine, k), change = subtract16(level_colour(coarse, k), near), weight = low_words(weights, k);
+    return even(add16(near, rounding_products(change, weight)), low_products(change, add16(weight, weight)));
+  };
+  return packed(one(0), one(1));
 }
 
 // The same where the coarse level has no weight.
-SPANTEX_INLINE v pixels_of_level(const blends& b) {
-  const auto one = [](v x) SPANTEX_INLINED { return even((x + (1 << (blend_drop - 1))) >> blend_drop, q.blend_bits); };
-  return packed(one(b.quad[0]), one(b.quad[1]), one(b.quad[2]), one(b.quad[3]));
-}
+SPANTEX_INLINE v pixels_of_level(const blends& b) { return packed(even(level_colour(b, 0), set(0)), even(level_colour(b, 1), set(0))); }

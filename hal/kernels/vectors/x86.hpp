@@ -23,8 +23,6 @@ SPANTEX_INLINE v of_each_half(__m128i x) {
 
 SPANTEX_INLINE v products(v a, v b) { return v(SPANTEX_OP(madd_epi16)(raw(a), raw(b))); }  // of both halves of a lane, added up
 SPANTEX_INLINE v halves(v low, v high) { return v(SPANTEX_OP(blend_epi16)(raw(low), raw(high), 0xAA)); }
-template <int K>
-SPANTEX_INLINE v lane_of(v x) { return v(SPANTEX_OP(shuffle_epi32)(raw(x), 0x55 * K)); }
 SPANTEX_INLINE bool all_equal(v a, int32_t b) { return SPANTEX_OP(movemask_epi8)(raw(a == b)) == int(width == 8 ? 0xFFFFFFFF : 0xFFFF); }
 
 // Of the even lanes.
@@ -38,39 +36,51 @@ SPANTEX_INLINE v look_up(const int32_t* table, v at) {
 #endif
 }
 
-// Texels 0 and 1 of two rows.
-SPANTEX_INLINE __m128i texels_of(const rgba8* top, const rgba8* bottom) {
-  return _mm_castps_si128(_mm_loadh_pi(_mm_castsi128_ps(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(top))), reinterpret_cast<const __m64*>(bottom)));
+// Two texels each.
+SPANTEX_INLINE __m128i texels_of(const rgba8* first, const rgba8* second) {
+  return _mm_castps_si128(_mm_loadh_pi(_mm_castsi128_ps(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(first))), reinterpret_cast<const __m64*>(second)));
 }
 
-// 2x2 texels of pixels interpolated: pixel k, or k and k + 4, in quad[k], a channel a lane, 22 bits of fraction.
-struct blends { v quad[4]; };
-constexpr int blend_fraction = 22;
+SPANTEX_INLINE v rounding_products(v a, v b) { return v(SPANTEX_OP(mulhrs_epi16)(raw(a), raw(b))); }  // (a b + 2^14) >> 15
+SPANTEX_INLINE v low_products(v a, v b) { return v(SPANTEX_OP(mullo_epi16)(raw(a), raw(b))); }
+
+// The lower half of lanes 2 k and 2 k + 1 of each 16 bytes, four times each.
+SPANTEX_INLINE v low_words(v x, int k) {
+  const v first = of_each_half(_mm_setr_epi8(0, 1, 0, 1, 0, 1, 0, 1, 4, 5, 4, 5, 4, 5, 4, 5));
+  return v(SPANTEX_OP(shuffle_epi8)(raw(x), raw(first + 0x08080808 * k)));
+}
+
+// Two rows of texels, interpolated across: pixels 2 k and 2 k + 1 (and 2 k + 4, 2 k + 5) in register k, a channel a word. first is the upper row, negative, change from it
+// to the lower one, weight is f of 2^15.
+struct blends { v first[2], change[2], weight[2]; };
+SPANTEX_INLINE v from_first(v x, v first) { return subtract16(x, first); }
 
 // fraction: u in the lower half of each lane, v in the upper, of 128. Weights are 128 - f and f; texels are unsigned bytes, so that the other factor is
-// signed, and the negative weights fit: from -128 on. In the second product the weights' bytes are the upper ones of words.
+// signed, and the negative weights fit: from -128 on.
 SPANTEX_INLINE blends blend(const rgba8* top, const uint32_t* top_at, const rgba8* bottom, const uint32_t* bottom_at, v fraction) {
   const v weights = add16(fraction, subtract16(set(0x00800080), v(SPANTEX_OP(slli_epi16)(raw(fraction), 8))));
-  const v pairs = of_each_half(_mm_setr_epi8(0, 4, 8, 12, 1, 5, 9, 13, 2, 6, 10, 14, 3, 7, 11, 15));
-  const v u_of_first = set(0x01000100), v_of_first = set(int32_t(0x03800280));
+  const v pairs = of_each_half(_mm_setr_epi8(0, 4, 1, 5, 2, 6, 3, 7, 8, 12, 9, 13, 10, 14, 11, 15));
+  const v v_of_first = of_each_half(_mm_setr_epi8(-1, 2, -1, 2, -1, 2, -1, 2, -1, 6, -1, 6, -1, 6, -1, 6));
   blends b;
-#pragma GCC unroll 4
-  for (int k = 0; k < 4; ++k) {
+#pragma GCC unroll 2
+  for (int k = 0; k < 2; ++k) {
+    const v u = low_words(weights, k);
+    const auto row = [&](const rgba8* from, const uint32_t* at) SPANTEX_INLINED {
 #if SPANTEX_AVX2
-    const raw t = _mm256_inserti128_si256(_mm256_castsi128_si256(texels_of(top + top_at[k], bottom + bottom_at[k])), texels_of(top + top_at[k + 4], bottom + bottom_at[k + 4]), 1);
+      const raw t = _mm256_inserti128_si256(_mm256_castsi128_si256(texels_of(from + at[0], from + at[1])), texels_of(from + at[4], from + at[5]), 1);
 #else
-    const raw t = texels_of(top + top_at[k], bottom + bottom_at[k]);
+      const raw t = texels_of(from + at[0], from + at[1]);
 #endif
-    const raw wu = SPANTEX_OP(shuffle_epi8)(raw(weights), raw(u_of_first + 0x04040404 * k));
-    const raw wv = SPANTEX_OP(shuffle_epi8)(raw(weights), raw(v_of_first + 0x04000400 * k));
-    b.quad[k] = v(SPANTEX_OP(madd_epi16)(SPANTEX_OP(maddubs_epi16)(SPANTEX_OP(shuffle_epi8)(t, raw(pairs)), wu), wv));
+      return v(SPANTEX_OP(maddubs_epi16)(SPANTEX_OP(shuffle_epi8)(t, raw(pairs)), raw(u)));
+    };
+    b.first[k] = row(top, top_at + 2 * k);
+    b.change[k] = subtract16(b.first[k], row(bottom, bottom_at + 2 * k));
+    b.weight[k] = v(SPANTEX_OP(shuffle_epi8)(raw(fraction), raw(v_of_first + 0x08000800 * k)));
   }
   return b;
 }
 
-SPANTEX_INLINE v packed(v a, v b, v c, v d) {
-  return v(SPANTEX_OP(packus_epi16)(SPANTEX_OP(packs_epi32)(raw(a), raw(b)), SPANTEX_OP(packs_epi32)(raw(c), raw(d))));
-}
+SPANTEX_INLINE v packed(v a, v b) { return v(SPANTEX_OP(packus_epi16)(raw(a), raw(b))); }
 
 SPANTEX_INLINE __m128i four_texels(const rgba8* from, const uint32_t* at) {  // by insertion: single stores would be waited for by the load of all
   const auto texel = [&](int k) {
