@@ -110,8 +110,8 @@ $(B)/%.o: %.cpp Makefile
 	@echo "  compile $<"
 	@$(CXX) $(FLAGS) -c $< -o $@
 
-# Kernels are unrolled by the compiler; gcc's own intrinsics warn of the undefined lanes they mean.
-$(B)/hal/kernels/%.o: FLAGS += -O3 -Wno-unknown-warning-option -Wno-uninitialized -Wno-maybe-uninitialized
+# Kernels are unrolled by the compiler; gcc's own intrinsics warn of the undefined lanes they mean, and of vectors passed between functions that melt into one.
+$(B)/hal/kernels/%.o: FLAGS += -O3 -Wno-unknown-warning-option -Wno-uninitialized -Wno-maybe-uninitialized -Wno-psabi
 
 $(B)/tests/%: $(B)/tests/unit/%.o $(HOST_OBJECTS)
 	@mkdir -p $(@D)

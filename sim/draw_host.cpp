@@ -35,7 +35,7 @@ struct prepared {
 };
 
 prepared prepare(const scene& s, const draw_options& o) {
-  const bool wanted = o.profile == profile_choice::standard && o.engine == engine_choice::direct && o.space == sampling_space::screen && kernels::draws(o.kind) &&
+  const bool wanted = o.profile == profile_choice::standard && o.engine == engine_choice::direct && o.space == sampling_space::screen && kernels::draws(o.kernel, o.kind) &&
                       !o.single_half && o.port == nullptr && o.changes == profile_changes{} && o.how.alpha == alpha_mode::opaque && o.how.colour == white &&
                       (o.kind == filter::nearest || std::all_of(s.maps->begin(), s.maps->end(), [](const texture_map& map) {
                          return map.view().colours() == colour_space::coded;
@@ -44,7 +44,7 @@ prepared prepare(const scene& s, const draw_options& o) {
   if (!wanted) return p;
   p.kernel = kernels::kernel_of(o.kernel);
   if (p.kernel != nullptr)
-    for (const texture_map& map : *s.maps) p.maps.emplace_back(map.view());
+    for (const texture_map& map : *s.maps) p.maps.emplace_back(map.view(), kernels::layout_of(o.kernel));
   return p;
 }
 
@@ -253,7 +253,7 @@ draw_result draw(const scene& s, const draw_options& options) {
   }
   const std::vector<band> bands = make_bands(s.size.height_px, options.sink != nullptr ? 1 : options.threads);
   const prepared ready = prepare(s, options);
-  if (ready.kernel != nullptr) result.kernel = name_of(kernel_names, kernels::choice::avx512);
+  if (ready.kernel != nullptr) result.kernel = name_of(kernel_names, kernels::resolved(options.kernel));
   std::vector<double> times;
   for (int k = 0; k < std::max(1, options.repeat); ++k) 
     times.push_back(options.space == sampling_space::object ? draw_in_object_space(s, options, result) : draw_once(s, options, ready, bands, result, depth));

@@ -18,7 +18,7 @@ F = "firmware/spantex/"
 STRESS = ["stress", "a_short_run*", [f"sim/stress{part}.cpp" for part in ("", "_describe", "_footprints", "_judge", "_planes", "_polygons")]]
 OBJECT_SPACE = ["sim/" + name + ".cpp" for name in ("distance_field", "draw_host", "encode", "encode_bc", "encode_etc", "figures", "file", "ideal",
                                                     "image", "map", "object_space_host", "palette", "pattern", "prefilter", "quality", "reference",
-                                                    "scene", "trace", "world")] + ["hal/kernels/avx512.cpp", "hal/kernels/planar_map.cpp"]
+                                                    "scene", "trace", "world")] + [f"hal/kernels/{name}.cpp" for name in ("avx2", "avx512", "kernel", "neon", "planar_map", "row_levels", "sse41", "words")]
 MAPS = ["sim/" + name + ".cpp" for name in ("encode", "encode_bc", "encode_etc", "file", "image", "map", "palette", "pattern", "prefilter")]
 PACKS = MAPS + ["sim/pack.cpp", "sim/inverse_filter.cpp"]
 FIELDS = PACKS + ["sim/distance_field.cpp"]

@@ -27,14 +27,25 @@ struct row_work {
 
 using row_kernel = void (*)(const row_work&);
 
-enum class choice : uint8_t { fastest, scalar, avx512 };
+enum class choice : uint8_t { fastest, scalar, words, sse41, avx2, neon, avx512 };
 
-row_kernel avx512_kernel();  // null where this machine has not what it takes: AVX-512 F, BW, CD, DQ, VL, VBMI, VNNI
+// Null where this machine has not what it takes.
+row_kernel avx512_kernel();  // AVX-512 F, BW, CD, DQ, VL, VBMI, VNNI
+row_kernel avx2_kernel();    // AVX2, BMI, BMI2, LZCNT
+row_kernel sse41_kernel();   // SSE4.1
+row_kernel neon_kernel();    // arm64
+row_kernel words_kernel();   // anything
 
-// Null: the scalar engine draws everything.
-inline row_kernel kernel_of(choice c) { return c == choice::scalar ? nullptr : avx512_kernel(); }
+// What `fastest` is on this machine; any other choice itself.
+choice resolved(choice c);
 
-// What a kernel can draw.
-constexpr bool draws(filter f) { return f == filter::nearest || f == filter::bilinear || f == filter::mip_bilinear || f == filter::trilinear || f == filter::aniso; }
+// Null: the scalar engine draws everything, chosen or for want of what the choice takes.
+row_kernel kernel_of(choice c);
+
+// How maps must be made ready for it.
+layout layout_of(choice c);
+
+// What a kernel is made for; it leaves every span of another filter.
+bool draws(choice c, filter f);
 
 }  // namespace spantex::kernels

@@ -23,9 +23,13 @@ std::vector<int32_t> wrapped(int32_t before, int32_t count, const auto& of) {
 
 }  // namespace
 
-planar_map::planar_map(const texture_view& view)
+planar_map::planar_map(const texture_view& view, layout of)
     : width_(view.width()), height_(view.height()), wrap_u_(view.wrap_u()), wrap_v_(view.wrap_v()), period_u_(period(wrap_u_, width_)),
       period_v_(period(wrap_v_, height_)) {
+  if (of == layout::rows) {
+    levels_in_rows_ = row_levels(view);
+    return;
+  }
   rows_down_ = length_of(wrap_v_, height_);
   row_stride_ = length_of(wrap_u_, width_) + 2 * texel_apron;
   const std::vector<int32_t> across = wrapped(texel_apron, row_stride_, [&](int32_t u) { return view.wrapped_u(u, 0); });

@@ -245,8 +245,7 @@ sim::draw_options drawing_options::resolve() const {
   if (o.space == sim::sampling_space::object && !plain)
     throw input_error("--space object: draws opaque, coded colours: not with --alpha, --srgb or filter contour");
   o.kernel = value_of(sim::kernel_names, kernel, "kernel");
-  if (o.kernel == kernels::choice::avx512 && kernels::avx512_kernel() == nullptr)
-    throw input_error("--kernel avx512: this machine has no AVX-512 with VBMI and VNNI");
+  if (o.kernel != kernels::choice::scalar && kernels::kernel_of(o.kernel) == nullptr) throw input_error("--kernel " + kernel + ": this machine has not what it takes");
   o.threads = threads;
   o.repeat = repeat;
   o.single_half = single_half;

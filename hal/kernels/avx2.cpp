@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+// The vector kernel with AVX2: eight 32-bit lanes.
+#include "kernel.hpp"
+
+#if defined(__x86_64__)
+#include <cpuid.h>
+#include <immintrin.h>
+
+#include <spantex/coordinates.hpp>
+#include <spantex/level.hpp>
+
+// What the headers define stays compiled for any machine.
+#if defined(__clang__)
+#pragma clang attribute push(__attribute__((target("avx2,bmi,bmi2,lzcnt"))), apply_to = function)
+#else
+#pragma GCC push_options
+#pragma GCC target("avx2,bmi,bmi2,lzcnt")
+#endif
+
+namespace spantex::kernels {
+namespace {
+
+#define SPANTEX_AVX2 1
+#include "vectors/common.hpp"
+constexpr int width = SPANTEX_AVX2 ? 8 : 4;
+#include "vectors/lanes.hpp"
+#include "vectors/x86.hpp"
+#include "vectors/pixels.hpp"
+#include "vectors/plan_avx2.hpp"
+#include "vectors/positions.hpp"
+#include "vectors/spans.hpp"
+
+}  // namespace
+}  // namespace spantex::kernels
+
+#if defined(__clang__)
+#pragma clang attribute pop
+#else
+#pragma GCC pop_options
+#endif
+
+namespace spantex::kernels {
+
+namespace {
+
+bool has_lzcnt() {  // not every compiler has a name for it
+  unsigned a, b, c, d;
+  return __get_cpuid(0x80000001, &a, &b, &c, &d) != 0 && (c >> 5 & 1) != 0;
+}
+
+}  // namespace
+
+row_kernel avx2_kernel() {
+  const bool has = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2") && has_lzcnt();
+  return has ? draw_any_row : nullptr;
+}
+
+}  // namespace spantex::kernels
+
+#else
+namespace spantex::kernels {
+row_kernel avx2_kernel() { return nullptr; }
+}  // namespace spantex::kernels
+#endif

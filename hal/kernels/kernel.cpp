@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kernel.hpp"
+
+namespace spantex::kernels {
+
+choice resolved(choice c) {
+  if (c != choice::fastest) return c;
+  for (const choice one : {choice::avx512, choice::avx2, choice::sse41, choice::neon})
+    if (kernel_of(one) != nullptr) return one;
+  return choice::words;
+}
+
+row_kernel kernel_of(choice c) {
+  switch (resolved(c)) {
+    case choice::words: return words_kernel();
+    case choice::sse41: return sse41_kernel();
+    case choice::avx2: return avx2_kernel();
+    case choice::neon: return neon_kernel();
+    case choice::avx512: return avx512_kernel();
+    case choice::fastest:
+    case choice::scalar: break;
+  }
+  return nullptr;
+}
+
+bool draws(choice c, filter f) {
+  if (f == filter::aniso) return resolved(c) == choice::avx512;
+  return f == filter::nearest || f == filter::bilinear || f == filter::mip_bilinear || f == filter::trilinear;
+}
+
+layout layout_of(choice c) { return resolved(c) == choice::avx512 ? layout::blocks : layout::rows; }
+
+}  // namespace spantex::kernels

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+// The vector kernel with NEON, on arm64: four 32-bit lanes.
+#include "kernel.hpp"
+
+#if defined(__aarch64__) && !defined(__AARCH64EB__)
+#include <arm_neon.h>
+
+#include <spantex/coordinates.hpp>
+#include <spantex/level.hpp>
+
+namespace spantex::kernels {
+namespace {
+
+constexpr int width = 4;
+#include "vectors/common.hpp"
+#include "vectors/lanes.hpp"
+#include "vectors/neon.hpp"
+#include "vectors/pixels.hpp"
+#include "vectors/plan.hpp"
+#include "vectors/positions.hpp"
+#include "vectors/spans.hpp"
+
+}  // namespace
+
+row_kernel neon_kernel() { return draw_any_row; }
+
+}  // namespace spantex::kernels
+
+#else
+namespace spantex::kernels {
+row_kernel neon_kernel() { return nullptr; }
+}  // namespace spantex::kernels
+#endif

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+// A map as kernels read it that fetch texels from memory: each level in rows, a texel of apron around it with what the wrap mode says lies there, so
+// that neighbours are neighbours and a 2x2 is two loads. A mirrored axis is stored to its period.
+#pragma once
+#include <stddef.h>
+#include <stdint.h>
+
+#include <vector>
+
+#include <spantex/texture.hpp>
+
+namespace spantex::kernels {
+
+// A texel's place (x, y) is two 16-bit numbers in 32 bits, x in the lower half. To wrap it on a level, half by half:
+//   min(k, k + period) and min(k, k - period), unsigned; & mask; max(k, low), min(k, high), signed
+// where one period is enough, as it is for every k that place_limit() lets through.
+class row_levels {
+ public:
+  static constexpr int most = 16;
+  enum field { period, mask, low, high, step, origin, field_count };  // step: texels from x to x + 1 and y to y + 1; origin: of texel (0, 0)
+
+  row_levels() = default;
+  explicit row_levels(const texture_view& view);
+  const rgba8* texels() const { return texels_.data(); }
+  int32_t value(field f, int level) const { return fields_[f][level]; }
+  int count() const { return count_; }                // of levels whose sides halve exactly, from level 0 on
+  bool masks_only() const { return masks_only_; }     // both axes repeat or mirror after a power of two: k & mask is all
+  int32_t modulo_u() const { return modulo_u_; }      // what bases are taken modulo, texels of level 0; 0 where they may stay
+  int32_t modulo_v() const { return modulo_v_; }
+  // How far texels of level 0 may lie from a base, in either axis.
+  int32_t place_limit() const { return place_limit_; }
+
+ private:
+  void add_axis(wrap mode, int32_t side, int level, int shift);
+  void add_texels(const texture_view& view, int level);
+  int32_t fields_[field_count][most] = {};
+  std::vector<rgba8> texels_;
+  int count_ = 0;
+  bool masks_only_ = true;
+  int32_t modulo_u_ = 0, modulo_v_ = 0, place_limit_ = INT32_MAX;
+};
+
+}  // namespace spantex::kernels

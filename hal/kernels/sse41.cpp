@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+// The vector kernel with SSE4.1: four 32-bit lanes.
+#include "kernel.hpp"
+
+#if defined(__x86_64__)
+#include <immintrin.h>
+
+#include <spantex/coordinates.hpp>
+#include <spantex/level.hpp>
+
+// What the headers define stays compiled for any machine.
+#if defined(__clang__)
+#pragma clang attribute push(__attribute__((target("sse4.1"))), apply_to = function)
+#else
+#pragma GCC push_options
+#pragma GCC target("sse4.1")
+#endif
+
+namespace spantex::kernels {
+namespace {
+
+#define SPANTEX_AVX2 0
+#include "vectors/common.hpp"
+constexpr int width = SPANTEX_AVX2 ? 8 : 4;
+#include "vectors/lanes.hpp"
+#include "vectors/x86.hpp"
+#include "vectors/pixels.hpp"
+#include "vectors/plan.hpp"
+#include "vectors/positions.hpp"
+#include "vectors/spans.hpp"
+
+}  // namespace
+}  // namespace spantex::kernels
+
+#if defined(__clang__)
+#pragma clang attribute pop
+#else
+#pragma GCC pop_options
+#endif
+
+namespace spantex::kernels {
+
+row_kernel sse41_kernel() {
+  return __builtin_cpu_supports("sse4.1") ? draw_any_row : nullptr;
+}
+
+}  // namespace spantex::kernels
+
+#else
+namespace spantex::kernels {
+row_kernel sse41_kernel() { return nullptr; }
+}  // namespace spantex::kernels
+#endif

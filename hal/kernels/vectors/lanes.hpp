@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+// Vector kernels: 32-bit lanes as the compilers have them, `width` of them, and what every machine builds on them. Included by the machines' files alone.
+#pragma once
+
+typedef int32_t v __attribute__((vector_size(4 * width)));
+typedef int16_t v_words __attribute__((vector_size(4 * width)));
+typedef uint32_t v_32 __attribute__((vector_size(4 * width)));
+typedef uint64_t v_64 __attribute__((vector_size(4 * width)));  // half as many lanes: even ones, or odd ones shifted down
+typedef uint16_t v_unsigned __attribute__((vector_size(4 * width)));
+
+SPANTEX_INLINE v set(int32_t x) { return v{} + x; }
+SPANTEX_INLINE v get(const int32_t* from) {
+  v x;
+  __builtin_memcpy(&x, from, sizeof x);
+  return x;
+}
+SPANTEX_INLINE void put(void* to, v x) { __builtin_memcpy(to, &x, sizeof x); }
+SPANTEX_INLINE v least(v a, v b) { return a < b ? a : b; }
+SPANTEX_INLINE v largest(v a, v b) { return a > b ? a : b; }
+
+// Both 16-bit halves of each lane.
+SPANTEX_INLINE v add16(v a, v b) { return v(v_unsigned(a) + v_unsigned(b)); }
+SPANTEX_INLINE v subtract16(v a, v b) { return v(v_unsigned(a) - v_unsigned(b)); }
+SPANTEX_INLINE v least16(v a, v b) { return v(v_words(a) < v_words(b) ? v_words(a) : v_words(b)); }
+SPANTEX_INLINE v largest16(v a, v b) { return v(v_words(a) > v_words(b) ? v_words(a) : v_words(b)); }
+SPANTEX_INLINE v least16_unsigned(v a, v b) { return v(v_unsigned(a) < v_unsigned(b) ? v_unsigned(a) : v_unsigned(b)); }
+
+SPANTEX_INLINE v half_pixels_across() {
+  v x{};
+  for (int k = 0; k < width; ++k) x[k] = half_pixels(k);
+  return x;
+}
+
+// s5.10 of the coefficients, s.16.
+SPANTEX_INLINE v levels16(const int16_t* from) {
+  v x{};
+  for (int k = 0; k < width; ++k) x[k] = from[k];
+  return x * 64;
+}

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+// Vector kernels: what NEON (arm64) has no operator for. Included by ../neon.cpp alone.
+#pragma once
+
+SPANTEX_INLINE v products(v a, v b) {  // of both halves of a lane, added up
+  const int16x8_t x = int16x8_t(a), y = int16x8_t(b);
+  return v(vpaddq_s32(vmull_s16(vget_low_s16(x), vget_low_s16(y)), vmull_high_s16(x, y)));
+}
+SPANTEX_INLINE v halves(v low, v high) { return v(vbslq_s32(vdupq_n_u32(0xFFFF), int32x4_t(low), int32x4_t(high))); }
+SPANTEX_INLINE bool all_equal(v a, int32_t b) { return vminvq_u32(uint32x4_t(a == b)) != 0; }
+
+// Of the even lanes.
+SPANTEX_INLINE v_64 wide_products(v_64 a, v_64 b) { return v_64(vmull_u32(vmovn_u64(uint64x2_t(a)), vmovn_u64(uint64x2_t(b)))); }
+SPANTEX_INLINE v_64 wide_signed_products(v_64 a, v_64 b) { return v_64(vmull_s32(vmovn_s64(int64x2_t(a)), vmovn_s64(int64x2_t(b)))); }
+SPANTEX_INLINE v look_up(const int32_t* table, v at) { return v{table[at[0]], table[at[1]], table[at[2]], table[at[3]]}; }
+
+SPANTEX_INLINE v rounding_products(v a, v b) { return v(vqrdmulhq_s16(int16x8_t(a), int16x8_t(b))); }  // (a b + 2^14) >> 15
+SPANTEX_INLINE v low_products(v a, v b) { return v(vmulq_s16(int16x8_t(a), int16x8_t(b))); }
+
+// The lower half of lanes 2 k and 2 k + 1, four times each.
+SPANTEX_INLINE v low_words(v x, int k) {
+  const uint8x16_t first = {0, 1, 0, 1, 0, 1, 0, 1, 4, 5, 4, 5, 4, 5, 4, 5};
+  return v(vqtbl1q_u8(uint8x16_t(x), vaddq_u8(first, vdupq_n_u8(uint8_t(8 * k)))));
+}
+
+// Two columns of texels, interpolated down: pixels 2 k and 2 k + 1 in register k, a channel a word. change is from the first to the second, weight f of 2^15.
+struct blends { v first[2], change[2], weight[2]; };
+SPANTEX_INLINE v from_first(v x, v first) { return add16(x, first); }
+
+// weights: bytes f and 128 - f of u, then of v, a lane a pixel.
+template <int K>
+SPANTEX_INLINE uint16x8_t columns_of(const rgba8* top, const rgba8* bottom, uint8x16_t weights) {
+  const uint8x8_t row0 = vld1_u8(reinterpret_cast<const uint8_t*>(top)), row1 = vld1_u8(reinterpret_cast<const uint8_t*>(bottom));
+  return vmlal_u8(vmull_u8(row0, vdup_laneq_u8(weights, 4 * K + 3)), row1, vdup_laneq_u8(weights, 4 * K + 2));
+}
+SPANTEX_INLINE void put_columns(blends& b, int k, uint16x8_t one, uint16x8_t other) {
+  b.first[k] = v(vcombine_u16(vget_low_u16(one), vget_low_u16(other)));
+  b.change[k] = subtract16(v(vcombine_u16(vget_high_u16(one), vget_high_u16(other))), b.first[k]);
+}
+
+// fraction: u in the lower half of each lane, v in the upper, of 128.
+SPANTEX_INLINE blends blend(const rgba8* top, const uint32_t* top_at, const rgba8* bottom, const uint32_t* bottom_at, v fraction) {
+  const uint16x8_t f = uint16x8_t(fraction);
+  const uint8x16_t weights = vreinterpretq_u8_u16(vsliq_n_u16(f, vsubq_u16(vdupq_n_u16(128), f), 8));
+  const v of_u = fraction << (15 - q.subtexel_bits);
+  blends b;
+  put_columns(b, 0, columns_of<0>(top + top_at[0], bottom + bottom_at[0], weights), columns_of<1>(top + top_at[1], bottom + bottom_at[1], weights));
+  put_columns(b, 1, columns_of<2>(top + top_at[2], bottom + bottom_at[2], weights), columns_of<3>(top + top_at[3], bottom + bottom_at[3], weights));
+  b.weight[0] = low_words(of_u, 0);
+  b.weight[1] = low_words(of_u, 1);
+  return b;
+}
+
+SPANTEX_INLINE v packed(v a, v b) { return v(vuzp1q_u8(uint8x16_t(a), uint8x16_t(b))); }  // values below 256
+
+SPANTEX_INLINE v texels_at(const rgba8* from, const uint32_t* at) {
+  const auto word = [&](int k) SPANTEX_INLINED { return reinterpret_cast<const uint32_t*>(from + at[k]); };
+  return v(vld1q_lane_u32(word(3), vld1q_lane_u32(word(2), vld1q_lane_u32(word(1), vld1q_lane_u32(word(0), vdupq_n_u32(0), 0), 1), 2), 3));
+}

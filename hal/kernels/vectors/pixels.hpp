@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+// Vector kernels: from four texels to a pixel, a channel a 16-bit word. Included by the machines' files alone.
+//
+// Between x and y, 8.7 each, by f of 2^n: x + (d f) / 2^n, d = y - x. Its whole part R = (d f + 2^(n-1)) >> n is one rounding product, of d and f 2^(15-n);
+// x + R is the level's colour as the scalar filter keeps it. What R leaves out, e = d f - R 2^n in [-2^(n-1), 2^(n-1)), decides a half: the lower half of
+// the product of d and f 2^(16-n) is e 2^(16-n).
+#pragma once
+
+// 8.7 and the sign of what was left out, to whole numbers: halves to even.
+SPANTEX_INLINE v even(v x, v rest) {
+  const v up = v(v_words(add16(rest, x & 0x00800080)) > 0);  // -1; rest has nothing at bit 7 and below
+  return v(v_words(subtract16(add16(x, set(0x003F003F)), up)) >> q.blend_bits);
+}
+
+SPANTEX_INLINE v level_colour(const blends& b, int k) { return from_first(rounding_products(b.change[k], b.weight[k]), b.first[k]); }
+
+SPANTEX_INLINE v pixels_of(const blends& b) {
+  const auto one = [&](int k) SPANTEX_INLINED { return even(level_colour(b, k), low_products(b.change[k], add16(b.weight[k], b.weight[k]))); };
+  return packed(one(0), one(1));
+}
+
+// Two levels; fraction of 256 a lane.
+SPANTEX_INLINE v pixels_between(const blends& fine, const blends& coarse, v fraction) {
+  const v weights = fraction << (15 - q.level_bits);
+  const auto one = [&](int k) SPANTEX_INLINED {
+    const v near = level_colour(fine, k), change = subtract16(level_colour(coarse, k), near), weight = low_words(weights, k);
+    return even(add16(near, rounding_products(change, weight)), low_products(change, add16(weight, weight)));
+  };
+  return packed(one(0), one(1));
+}
+
+// The same where the coarse level has no weight.
+SPANTEX_INLINE v pixels_of_level(const blends& b) { return packed(even(level_colour(b, 0), set(0)), even(level_colour(b, 1), set(0))); }

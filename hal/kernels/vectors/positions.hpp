@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+// Vector kernels: texture positions and levels of detail of a span's 64 pixels. Included by the machines' files alone.
+#pragma once
+
+constexpr int parts = span_side / width;  // of a row of pixels
+
+// Of 64 pixels, row by row: positions in texels of level 0, s15.14; levels of detail in 2^-8.
+struct alignas(64) span_positions { int32_t u[span_pixel_count], v[span_pixel_count], level[span_pixel_count]; };
+
+SPANTEX_INLINE v upper(v x) { return x & int32_t(0xFFFF0000); }
+
+// The slope as the series take it: in the upper half of each lane, lower half zero.
+SPANTEX_INLINE v slope16(v e, int slope_log2) { return upper(e << -slope_log2); }
+
+// q of the series, likewise.
+template <int Terms>
+SPANTEX_INLINE v series16(v e16, int slope_log2) {
+  v r = e16;
+  for (int k = 1; k < Terms; ++k) r = e16 - upper(products(e16, r) >> (-2 - slope_log2));
+  return r;
+}
+
+// level_at() where |w - 1| < 2^-4.
+SPANTEX_INLINE v level_of(v terms, v e16, int slope_log2, int32_t most) {
+  const v t = e16 - upper(products(e16, e16) >> (-1 - slope_log2));
+  const v log_w = products(t, set(int32_t(level_factor.raw()) << 16)) >> (11 - slope_log2);
+  return least(largest((terms - log_w + 128) >> 8, set(0)), set(most));
+}
+
+// c + a hx + b hy, row by row.
+struct form {
+  v at, down;
+  SPANTEX_INLINE form(int32_t c, int32_t a, int32_t b, int part) : at(half_pixels_across() * a + (c + 2 * width * part * a - reach * b)), down(set(2 * b)) {}
+  SPANTEX_INLINE void next() { at += down; }
+};
+
+template <int Terms, bool Levels>
+SPANTEX_INLINE void find_positions(const span_coefficients& c, span_positions& out) {
+  const int s = c.slope_log2, cut = c.exponent - q.coordinate_bits;
+  const int32_t half = 1 << (cut - 1), most = int32_t(c.last_level) << q.level_bits, base_u = c.base_u * (1 << q.coordinate_bits), base_v = c.base_v * (1 << q.coordinate_bits);
+  for (int part = 0; part < parts; ++part) {
+    form nu(c.c_u, c.a_u, c.b_u, part), nv(c.c_v, c.a_v, c.b_v, part), ne(0, c.g, c.h, part);
+    const v column = Levels ? levels16(c.level_column + width * part) : set(0);
+    for (int y = 0; y < span_side; ++y) {
+      v u = nu.at, w = nv.at;
+      const v e16 = slope16(ne.at, s);
+      if constexpr (Terms > 0) {
+        const v r = series16<Terms>(e16, s);
+        u -= products(u, r) >> (-2 - s);
+        w -= products(w, r) >> (-2 - s);
+      }
+      const int at = span_side * y + width * part;
+      put(out.u + at, ((u + half) >> cut) + base_u);
+      put(out.v + at, ((w + half) >> cut) + base_v);
+      if constexpr (Levels) put(out.level + at, level_of(largest(column, set(int32_t(c.level_row[y]) * 64)), e16, s, most));
+      nu.next();
+      nv.next();
+      ne.next();
+    }
+  }
+}
+
+// --- the divide: 64 bits a pixel, even lanes and odd ones ------------------------------------------------
+
+struct wide_seed_table {
+  int32_t seed[1 << reciprocal_seed_bits];
+  constexpr wide_seed_table() : seed() {
+    for (int k = 0; k < 1 << reciprocal_seed_bits; ++k) seed[k] = int32_t(uint32_t(reciprocal_seeds.seed[k]) << 16);
+  }
+};
+constexpr wide_seed_table wide_seeds{};
+
+// newton_step(): y is 2^31 or more, so that its signed value is 2^32 less.
+SPANTEX_INLINE v_64 newton(v_64 m, v_64 y) {
+  const v_64 error = ((uint64_t(1) << 63) - wide_products(m, y)) >> 32;
+  const v_64 next = ((y << 31) + wide_signed_products(y, error) + (error << 32)) >> 31;
+  return next - (next >> 32);
+}
+
+// reciprocal_of_w(w, 30), w in (1/2, 3/2).
+struct wide_reciprocals { v_64 even, odd; };
+SPANTEX_INLINE wide_reciprocals reciprocals_of(v w) {
+  const v below_one = (w >> 30) - 1;
+  const v_32 twice = v_32(w) << 1, m = twice + (twice & v_32(below_one));
+  const v_64 y = v_64(look_up(wide_seeds.seed, v((m >> 24) & 127)));
+  const auto one = [&](v_64 mantissa, v_64 seed, v_64 small) SPANTEX_INLINED {
+    const v_64 r = newton(mantissa, newton(mantissa, seed));
+    return (r + (r & small) + 2) >> 2;
+  };
+  return {one(v_64(m), y & 0xFFFFFFFF, v_64(below_one)), one(v_64(m) >> 32, y >> 32, v_64(below_one) >> 32)};
+}
+
+// n / w, rounded to coordinate_bits; shift is 32 or more.
+SPANTEX_INLINE v divided(v n, const wide_reciprocals& r, int shift) {
+  const uint64_t half = uint64_t(1) << (shift - 1);
+  const v_64 even = wide_signed_products(v_64(n), r.even) + half, odd = wide_signed_products(v_64(n) >> 32, r.odd) + half;
+  return v((even >> 32) | (odd & 0xFFFFFFFF00000000)) >> (shift - 32);
+}
+static_assert(q.offset_bits - 1 - max_extent_log2 - q.coordinate_bits + q.reciprocal_bits >= 32);
+
+[[gnu::noinline]] void divide_positions(const span_coefficients& c, span_positions& out) {
+  const int shift = c.exponent - q.coordinate_bits + q.reciprocal_bits;
+  const int32_t base_u = c.base_u * (1 << q.coordinate_bits), base_v = c.base_v * (1 << q.coordinate_bits);
+  for (int part = 0; part < parts; ++part) {
+    form nu(c.c_u, c.a_u, c.b_u, part), nv(c.c_v, c.a_v, c.b_v, part), nw(1 << q.reciprocal_bits, c.g, c.h, part);
+    for (int y = 0; y < span_side; ++y) {
+      const wide_reciprocals r = reciprocals_of(nw.at);
+      const int at = span_side * y + width * part;
+      put(out.u + at, divided(nu.at, r, shift) + base_u);
+      put(out.v + at, divided(nv.at, r, shift) + base_v);
+      nu.next();
+      nv.next();
+      nw.next();
+    }
+  }
+}
+
+// level_at() where it takes a table: the scalar datapath.
+[[gnu::noinline]] void steep_levels(const span_coefficients& c, span_positions& out) {
+  for (int k = 0; k < span_pixel_count; ++k) out.level[k] = level_at(prof{}, c, k % span_side, k / span_side);
+}
+
+template <bool Levels>
+SPANTEX_INLINE void find_positions(const span_coefficients& c, span_positions& out) {
+  switch (c.how == evaluation::affine ? 0 : c.how == evaluation::series ? c.terms : -1) {
+    case 0: find_positions<0, Levels>(c, out); break;
+    case 1: find_positions<1, Levels>(c, out); break;
+    case 2: find_positions<2, Levels>(c, out); break;
+    case 3: find_positions<3, Levels>(c, out); break;
+    case 4: find_positions<4, Levels>(c, out); break;
+    default:
+      if (Levels && c.slope_log2 <= most_level_slope_log2) find_positions<0, Levels>(c, out);
+      divide_positions(c, out);
+      break;
+  }
+  if (Levels && c.slope_log2 > most_level_slope_log2) steep_levels(c, out);
+}

@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: Apache-2.0
+// Vector kernels: a span by each filter. Included by the machines' files alone.
+#pragma once
+
+// What a lane's level says of its map, the same for all lanes (int32_t) or not (v).
+template <class Each>
+struct on_level {
+  Each add, cut;                                  // position: (s15.14 + add) >> cut, 7 bits of fraction
+  Each field[row_levels::field_count];
+};
+
+SPANTEX_INLINE on_level<int32_t> level_at_once(const row_levels& map, int level) {
+  on_level<int32_t> l;
+  l.cut = q.coordinate_bits - q.subtexel_bits + level;
+  l.add = (1 << (l.cut - 1)) - (1 << (q.coordinate_bits - 1 + level));
+  for (int k = 0; k < row_levels::field_count; ++k) l.field[k] = map.value(row_levels::field(k), level);
+  return l;
+}
+
+[[gnu::noinline]] on_level<v> level_by_lane(const row_levels& map, const int32_t* level) {
+  on_level<v> l;
+  alignas(sizeof(v)) int32_t lane[2 + row_levels::field_count][width];
+  for (int n = 0; n < width; ++n) {
+    const on_level<int32_t> one = level_at_once(map, level[n]);
+    lane[0][n] = one.add;
+    lane[1][n] = one.cut;
+    for (int k = 0; k < row_levels::field_count; ++k) lane[2 + k][n] = one.field[k];
+  }
+  l.add = get(lane[0]);
+  l.cut = get(lane[1]);
+  for (int k = 0; k < row_levels::field_count; ++k) l.field[k] = get(lane[2 + k]);
+  return l;
+}
+
+SPANTEX_INLINE v lanes(v x) { return x; }
+SPANTEX_INLINE v lanes(int32_t x) { return set(x); }
+
+// Both axes of a texel in a lane, wrapped: see row_levels.
+template <bool MasksOnly, class Each>
+SPANTEX_INLINE v wrapped_texel(v at, const on_level<Each>& l) {
+  const v kept = lanes(l.field[row_levels::mask]);
+  if constexpr (MasksOnly) return at & kept;
+  const v turn = lanes(l.field[row_levels::period]);
+  at = least16_unsigned(at, add16(at, turn));
+  at = least16_unsigned(at, subtract16(at, turn)) & kept;
+  return least16(largest16(at, lanes(l.field[row_levels::low])), lanes(l.field[row_levels::high]));
+}
+
+// Four texels of each lane, interpolated.
+template <bool MasksOnly>
+SPANTEX_INLINE blends blended_at(const row_levels& map, const on_level<int32_t>& l, v position_u, v position_v) {
+  const v u = (position_u + l.add) >> l.cut, w = (position_v + l.add) >> l.cut;
+  const v texel = wrapped_texel<MasksOnly>(halves(u >> q.subtexel_bits, w << (16 - q.subtexel_bits)), l);
+  alignas(sizeof(v)) int32_t at[width];
+  put(at, products(texel, set(l.field[row_levels::step])) + l.field[row_levels::origin]);
+  const uint32_t* const index = reinterpret_cast<const uint32_t*>(at);
+  return blend(map.texels(), index, map.texels() + (l.field[row_levels::step] >> 16), index, halves(u, w << 16) & 0x007F007F);
+}
+template <bool MasksOnly>
+SPANTEX_INLINE blends blended_at(const row_levels& map, const on_level<v>& l, v position_u, v position_v) {
+  const v u = (position_u + l.add) >> l.cut, w = (position_v + l.add) >> l.cut, step = l.field[row_levels::step];
+  const v texel = wrapped_texel<MasksOnly>(halves(u >> q.subtexel_bits, w << (16 - q.subtexel_bits)), l);
+  const v top = products(texel, step) + l.field[row_levels::origin];
+  alignas(sizeof(v)) int32_t at[2][width];
+  put(at[0], top);
+  put(at[1], top + (step >> 16));
+  return blend(map.texels(), reinterpret_cast<const uint32_t*>(at[0]), map.texels(), reinterpret_cast<const uint32_t*>(at[1]), halves(u, w << 16) & 0x007F007F);
+}
+
+template <bool MasksOnly, bool TwoLevels, class Each>
+SPANTEX_INLINE v pixels_by_level(const row_levels& map, const on_level<Each>& fine, const on_level<Each>& coarse, v u, v w, v fraction) {
+  const blends near = blended_at<MasksOnly>(map, fine, u, w);
+  if constexpr (TwoLevels) return pixels_between(near, blended_at<MasksOnly>(map, coarse, u, w), fraction);
+  else return pixels_of(near);
+}
+
+template <bool MasksOnly, bool TwoLevels>
+[[gnu::noinline]] v pixels_by_lane(const row_levels& map, const int32_t* fine, const int32_t* coarse, const int32_t* u, const int32_t* w, const int32_t* fraction) {
+  const on_level<v> near = level_by_lane(map, fine);
+  if constexpr (TwoLevels) return pixels_by_level<MasksOnly, true>(map, near, level_by_lane(map, coarse), get(u), get(w), get(fraction));
+  else return pixels_by_level<MasksOnly, false>(map, near, near, get(u), get(w), get(fraction));
+}
+
+// A row's part to where the mask has pixels.
+SPANTEX_INLINE void write(rgba8* to, uint32_t mask, v pixels) {
+  constexpr uint32_t all = (1u << width) - 1;
+  if ((mask & all) == all) [[likely]] return put(to, pixels);
+  alignas(sizeof(v)) int32_t one[width];
+  put(one, pixels);
+  for (int k = 0; k < width; ++k)
+    if (mask >> k & 1) __builtin_memcpy(to + k, one + k, sizeof(rgba8));
+}
+
+// pixels_at(k) delivers `width` pixels from the span's k-th on.
+SPANTEX_INLINE void write_span(const row_work& work, int32_t sx, span_mask mask, auto&& pixels_at) {
+  rgba8* row = work.pixels + int64_t(work.sy) * span_side * work.stride + sx * span_side;
+  for (int y = 0; y < span_side; ++y, row += work.stride) {
+    const uint32_t of_row = uint32_t(mask >> (y * span_side)) & 0xFF;
+    if (of_row == 0) continue;
+    for (int part = 0; part < parts; ++part) write(row + width * part, of_row >> (width * part), pixels_at(span_side * y + width * part));
+  }
+}
+
+template <bool MasksOnly>
+SPANTEX_INLINE void draw_nearest(const row_work& work, int32_t sx, span_mask mask, const span_positions& p) {
+  const row_levels& map = work.texels->levels_in_rows();
+  const on_level<int32_t> l = level_at_once(map, 0);
+  write_span(work, sx, mask, [&](int k) SPANTEX_INLINED {
+    const v texel = wrapped_texel<MasksOnly>(halves(get(p.u + k) >> q.coordinate_bits, get(p.v + k) << (16 - q.coordinate_bits)), l);
+    alignas(sizeof(v)) int32_t at[width];
+    put(at, products(texel, set(l.field[row_levels::step])) + l.field[row_levels::origin]);
+    return texels_at(map.texels(), reinterpret_cast<const uint32_t*>(at));
+  });
+}
+
+template <bool MasksOnly>
+SPANTEX_INLINE void draw_bilinear(const row_work& work, int32_t sx, span_mask mask, const span_positions& p) {
+  const row_levels& map = work.texels->levels_in_rows();
+  const on_level<int32_t> l = level_at_once(map, 0);
+  write_span(work, sx, mask, [&](int k) SPANTEX_INLINED { return pixels_of(blended_at<MasksOnly>(map, l, get(p.u + k), get(p.v + k))); });
+}
+
+// False where pixels lie on levels that are no exact halves.
+template <bool MasksOnly, bool TwoLevels>
+SPANTEX_INLINE bool draw_by_level(const row_work& work, int32_t sx, span_mask mask, const span_positions& p) {
+  const row_levels& map = work.texels->levels_in_rows();
+  const v zero = set(0), last = set(work.last_level);
+  const auto whole_of = [&](v level) SPANTEX_INLINED {
+    return TwoLevels ? level >> q.level_bits : largest(((level + 128 + 255) >> q.level_bits) - 1, zero);
+  };
+  if (map.count() <= work.last_level)
+    for (int k = 0; k < span_pixel_count; ++k) {
+      const int32_t level = p.level[k], deepest = TwoLevels ? min_of((level >> q.level_bits) + 1, work.last_level) : max_of(((level + 128 + 255) >> q.level_bits) - 1, 0);
+      if (deepest >= map.count()) return false;
+    }
+  int32_t held = -1;
+  on_level<int32_t> near{}, far{};
+  write_span(work, sx, mask, [&](int k) SPANTEX_INLINED {
+    const v level = get(p.level + k), whole = whole_of(level), fraction = level & 255;
+    const int32_t first = whole[0];
+    if (!all_equal(whole, first)) [[unlikely]] {
+      alignas(sizeof(v)) int32_t fine[width], coarse[width], of[width];
+      put(fine, whole);
+      put(coarse, least(whole + 1, last));
+      put(of, fraction);
+      return pixels_by_lane<MasksOnly, TwoLevels>(map, fine, coarse, p.u + k, p.v + k, of);
+    }
+    if (first != held) {
+      held = first;
+      near = level_at_once(map, first);
+      if (TwoLevels) far = level_at_once(map, min_of(first + 1, work.last_level));
+    }
+    const v u = get(p.u + k), w = get(p.v + k);
+    if (TwoLevels && all_equal(fraction, 0)) return pixels_of_level(blended_at<MasksOnly>(map, near, u, w));
+    return pixels_by_level<MasksOnly, TwoLevels>(map, near, far, u, w, fraction);
+  });
+  return true;
+}
+
+template <filter Kind, bool MasksOnly>
+SPANTEX_INLINE bool draw_span(const row_work& work, int32_t sx, span_mask mask, const span_coefficients& c) {
+  span_positions p;
+  find_positions<uses_levels(Kind)>(c, p);
+  if constexpr (Kind == filter::nearest) draw_nearest<MasksOnly>(work, sx, mask, p);
+  else if constexpr (Kind == filter::bilinear) draw_bilinear<MasksOnly>(work, sx, mask, p);
+  else return draw_by_level<MasksOnly, Kind == filter::trilinear>(work, sx, mask, p);
+  return true;
+}
+
+// What a plan needs to know of the map. False where one period is not enough to wrap a texel.
+SPANTEX_INLINE bool fitted(const row_work& work, span_coefficients& c) {
+  const row_levels& levels = work.texels->levels_in_rows();
+  c.base_u = modulo(c.base_u, levels.modulo_u());
+  c.base_v = modulo(c.base_v, levels.modulo_v());
+  c.last_level = uint8_t(work.last_level);
+  return (1 << max_of(0, q.offset_bits - 1 - c.exponent)) <= levels.place_limit();
+}
+
+// Plans are long chains of dependent operations: several are made one after another, so that they overlap.
+template <filter Kind, bool MasksOnly>
+void draw_row(const row_work& work) {
+  constexpr int batch = 8;
+  span_coefficients c[batch];
+  bool usable[batch];
+  planner<Kind> plans(work);
+  for (int first = 0; first < work.count; first += batch) {
+    const int count = min_of(batch, work.count - first);
+    for (int k = 0; k < count; ++k) usable[k] = plans.next(c[k]) && fitted(work, c[k]);
+    for (int k = 0; k < count; ++k)
+      if (work.masks[first + k] != 0 && !(usable[k] && draw_span<Kind, MasksOnly>(work, work.sx + first + k, work.masks[first + k], c[k]))) work.left[first + k] = true;
+  }
+}
+
+template <filter Kind>
+void draw_row(const row_work& work) {
+  if (work.texels->levels_in_rows().masks_only()) draw_row<Kind, true>(work);
+  else draw_row<Kind, false>(work);
+}
+
+void draw_any_row(const row_work& work) {
+  switch (work.kind) {
+    case filter::nearest: return draw_row<filter::nearest>(work);
+    case filter::bilinear: return draw_row<filter::bilinear>(work);
+    case filter::mip_bilinear: return draw_row<filter::mip_bilinear>(work);
+    case filter::trilinear: return draw_row<filter::trilinear>(work);
+    default: break;
+  }
+  for (int k = 0; k < work.count; ++k) work.left[k] = true;
+}

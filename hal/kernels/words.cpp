@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+// The vector kernel for any machine: positions in whatever lanes the compiler makes of four 32-bit numbers, texels in 64-bit words.
+#include "kernel.hpp"
+
+#include <spantex/coordinates.hpp>
+#include <spantex/level.hpp>
+
+namespace spantex::kernels {
+namespace {
+
+constexpr int width = 4;
+#include "vectors/common.hpp"
+#include "vectors/lanes.hpp"
+#include "vectors/words.hpp"
+#include "vectors/plan.hpp"
+#include "vectors/positions.hpp"
+#include "vectors/spans.hpp"
+
+}  // namespace
+
+row_kernel words_kernel() { return draw_any_row; }
+
+}  // namespace spantex::kernels

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+// Small pictures by every kernel that this machine has, and by the engine: a line for each kernel and filter (tests/scripts/kernel_identity.py).
+#include <hal/direct_engine.hpp>
+#include <hal/kernels/rows.hpp>
+#include <spantex/spantex.hpp>
+
+#include <cstdio>
+#include <cstdlib>
+#include <vector>
+
+using namespace spantex;
+
+namespace {
+
+using prof = fixed_profile<profiles::standard>;
+constexpr int32_t width = 96, height = 56;
+constexpr rectangle all{0, 0, width, height};
+
+uint64_t random_state = 7;
+uint32_t random_bits() {
+  random_state = random_state * 6364136223846793005u + 1442695040888963407u;
+  return uint32_t(random_state >> 33);
+}
+
+struct map_pixels {
+  int32_t width, height;
+  std::vector<std::vector<rgba8>> levels;
+  map_pixels(int32_t w, int32_t h) : width(w), height(h) {
+    for (;; w = max_of(1, w / 2), h = max_of(1, h / 2)) {
+      std::vector<rgba8> level(size_t(w) * size_t(h));
+      for (rgba8& t : level) t = {uint8_t(random_bits()), uint8_t(random_bits()), uint8_t(random_bits()), uint8_t(random_bits())};
+      levels.push_back(level);
+      if (w == 1 && h == 1) return;
+    }
+  }
+  texture_view view(wrap u, wrap v) const {
+    std::vector<const rgba8*> first;
+    for (const auto& level : levels) first.push_back(level.data());
+    texture_view t;
+    if (texture_view::make(first.data(), int(first.size()), width, height, u, v, t) != status::ok) std::abort();
+    return t;
+  }
+};
+
+// From magnified to minified, flat to steep: affine spans, every length of series, and the divide.
+plane plane_of(int k) {
+  const int64_t one = int64_t(1) << 30, scale = one >> (k % 3), steep = (one / 64) * (k / 3) / 4;
+  const auto some = [&](int64_t size) { return wide(int64_t(random_bits()) * size / (int64_t(1) << 30) - size); };
+  plane p;
+  const homography m{wide(2 * scale), some(scale), some(100 * one), some(scale), wide(3 * scale), some(100 * one), some(steep / 4), wide(steep / 2), wide(one)};
+  if (make_plane(m, all, p) != status::ok) std::abort();
+  return p;
+}
+
+struct tally { uint64_t pictures = 0, different = 0, spans = 0, left = 0; };
+
+void compare(kernels::choice which, const plane& p, const texture_view& view, filter kind, tally& sum) {
+  std::vector<rgba8> expected(size_t(width * height)), found(expected);
+  const frame_buffer frame{expected.data(), width, height, width}, other{found.data(), width, height, width};
+  static direct_engine<prof> engine;
+  renderer<direct_engine<prof>, prof> scalar(engine, prof{}, frame), rest(engine, prof{}, other);
+  if (scalar.draw(p, view, kind, all) != status::ok || scalar.finish() != status::ok) std::abort();
+  draw_counters counts;
+  const kernels::planar_map texels(view, kernels::layout_of(which));
+  if (kernels::draw_plane(kernels::kernel_of(which), texels, rest, p, view, kind, all, other, counts) != status::ok || rest.finish() != status::ok) std::abort();
+  const uint64_t spans = (width / span_side) * (height / span_side);
+  ++sum.pictures;
+  sum.different += !(expected == found);
+  sum.spans += spans;
+  sum.left += spans - counts.spans_total;
+}
+
+}  // namespace
+
+int main() {
+  const map_pixels maps[] = {{64, 64}, {128, 8}, {48, 80}};
+  struct { kernels::choice which; const char* name; } const every[] = {{kernels::choice::words, "words"}, {kernels::choice::sse41, "sse41"}, {kernels::choice::avx2, "avx2"},
+                                                                       {kernels::choice::neon, "neon"}, {kernels::choice::avx512, "avx512"}};
+  struct { filter kind; const char* name; } const filters[] = {{filter::nearest, "nearest"}, {filter::bilinear, "bilinear"}, {filter::mip_bilinear, "mip-bilinear"},
+                                                               {filter::trilinear, "trilinear"}};
+  for (const auto& kernel : every) {
+    if (kernels::kernel_of(kernel.which) == nullptr) continue;
+    for (const auto& f : filters) {
+      tally sum;
+      random_state = 7;
+      for (int k = 0; k < 15; ++k) {
+        const plane p = plane_of(k);
+        for (const wrap w : {wrap::repeat, wrap::clamp, wrap::mirror}) compare(kernel.which, p, maps[k % 3].view(w, wrap((int(w) + k) % 3)), f.kind, sum);
+      }
+      std::printf("%s %s: %d pictures, %d differ; %d of %d spans left to the engine\n", kernel.name, f.name, int(sum.pictures), int(sum.different), int(sum.left), int(sum.spans));
+    }
+  }
+}
