@@ -259,6 +259,7 @@ GATES = [
     ("proofs: distances by the coarser field alone", F + "contour.hpp", "return a * (one - int32_t(fraction)) + b * int32_t(fraction);", "return a * one + b * int32_t(fraction);",
      "scripts", "footprint_proofs", []),
     ("samples off their middle", F + "footprint.hpp", "(2 * k + 1 - n) * step", "(2 * k + 2 - n) * step", "footprint", "samples_are*", ["sim/reference.cpp"]),
+    ("samples' bias from level 0 on", F + "footprint.hpp", "q.sample_bias * clamp_to(minor, 0, 1 << 16)", "q.sample_bias * (1 << 16)", "footprint", "footprints_are*", ["sim/reference.cpp"]),
     ("squares weighted alike", F + "footprint.hpp", "row_weight = aside + 3 - distance;", "row_weight = aside + 3;", "footprint", "squares_have*", ["sim/reference.cpp"]),
     ("means rounded down", F + "filter.hpp", "return uint16_t(whole + (up ? 1 : 0));", "return uint16_t(whole + 0 * up);", "footprint_properties", "pixels_are*", []),
     ("means biased at ties and beyond", F + "filter.hpp", "rest >= weight - rest :", "rest + weight / 16 >= weight - rest :", "footprint_properties", "pixels_are*", []),
