@@ -61,27 +61,39 @@ void fill_coefficients(pixel_under_test& p, filter kind) {
 
 // --- squares, aniso ------------------------------------------------------------------------------------------
 
-// W^2 J exactly; texels per half pixel times W^2.
-struct exact_gradients { int128 ux, uy, vx, vy; };
+// W^2 J, texels per half pixel times W^2, and W. From the forms that the pixel's vector comes from: the rounded ones, exactly, or, where set-up's
+// rounding would show in a span, those before it, to 2^-64 of A W and Nu G.
+struct exact_gradients { real ux, uy, vx, vy, w; };
+
+bool takes_exact_forms(const pixel_under_test& p) {
+  const reference rounded = reference_at(p.map, 16 * p.span.x + 8, 16 * p.span.y + 8);
+  return p.whole && (p.about.w_exponent != 0 || p.about.w != rounded.w || p.about.c_u != rounded.c_u || p.about.c_v != rounded.c_v);
+}
+
 exact_gradients gradients_of(const pixel_under_test& p) {
   const plane& m = p.map;
-  return {m.u.x * p.w - p.u * m.w.x, m.u.y * p.w - p.u * m.w.y, m.v.x * p.w - p.v * m.w.x, m.v.y * p.w - p.v * m.w.y};
+  if (!takes_exact_forms(p))
+    return {real(m.u.x * p.w - p.u * m.w.x), real(m.u.y * p.w - p.u * m.w.y), real(m.v.x * p.w - p.v * m.w.x), real(m.v.y * p.w - p.v * m.w.y), real(p.w)};
+  const auto number = [](const wide& x) { return real(int128_of(x)); };
+  const real w = number(m.value(m.exact_w, p.hx, p.hy)), u = number(m.value(m.exact_u, p.hx, p.hy)), v = number(m.value(m.exact_v, p.hx, p.hy));
+  const auto gradient = [&](const wide& slope, real n, const wide& slope_of_w) { return number(slope) * w - n * number(slope_of_w); };
+  return {gradient(m.exact_u.x, u, m.exact_w.x), gradient(m.exact_u.y, u, m.exact_w.y), gradient(m.exact_v.x, v, m.exact_w.x), gradient(m.exact_v.y, v, m.exact_w.y), w};
 }
 
 struct exact_vector { real u, v; };
 
 // J along the direction that the engine chose, texels per pixel.
-exact_vector vector_of(const pixel_under_test& p, const exact_gradients& g, int direction) {
+exact_vector vector_of(const exact_gradients& g, int direction) {
   const screen_direction d = direction_at(direction);
-  const real scale = std::ldexp(real(p.w) * real(p.w), direction_bits - 1);
-  return {real(d.cos * g.ux + d.sin * g.uy) / scale, real(d.cos * g.vx + d.sin * g.vy) / scale};
+  const real scale = std::ldexp(g.w * g.w, direction_bits - 1), c = real(d.cos), s = real(d.sin);
+  return {(c * g.ux + s * g.uy) / scale, (c * g.vx + s * g.vy) / scale};
 }
 
 // The level that SPEC section 11 gives the exact vector and the exact area.
 real exact_footprint_level(const pixel_under_test& p, const exact_vector& along, const exact_gradients& g) {
   const profile& q = p.q();
-  const real w2 = real(p.w) * real(p.w), length = std::log2(std::hypot(along.u, along.v));
-  const real area = std::log2(std::fabs(real(g.ux) * real(g.vy) - real(g.uy) * real(g.vx)) * 4 / (w2 * w2));
+  const real w2 = g.w * g.w, length = std::log2(std::hypot(along.u, along.v));
+  const real area = std::log2(std::fabs(g.ux * g.vy - g.uy * g.vx) * 4 / (w2 * w2));
   const real bias = q.sample_bias / 16.0L, most = std::log2(real(q.max_samples));
   const real ratio = std::clamp(std::min(2 * length - area, length - bias), 0.0L, most);
   const real minor = length - ratio;
@@ -92,7 +104,7 @@ void judge_vector(const pixel_under_test& p, const footprint& f) {
   const profile& q = p.q();
   const exact_gradients g = gradients_of(p);
   const scaled_jacobian j = p.whole ? scaled_jacobian{span_jacobian(q, p.c), p.c.exponent} : jacobian_at(p.map, p.hx, p.hy);
-  const exact_vector exact = vector_of(p, g, major_direction(j.columns));
+  const exact_vector exact = vector_of(g, major_direction(j.columns));
   const real length = std::hypot(exact.u, exact.v);
   if (length == 0 || length > 16000) return;  // beyond, components saturate, and the level is the last one
   const auto whole_length = uint32_t(length) + 1;

@@ -12,7 +12,7 @@
 //   errors      [[nodiscard]] status; nothing throws, allocates or keeps static state
 //
 // Start at draw.hpp (renderer), plane.hpp and polygon.hpp (what is drawn), texture.hpp (maps), profile.hpp (word lengths);
-// camera.hpp (planes by angles), object_space.hpp (polygons filtered on the screen).
+// camera.hpp (planes by angles), object_grid.hpp, object_space.hpp (polygons filtered on the screen).
 #pragma once
 #include <spantex/camera.hpp>
 #include <spantex/draw.hpp>
