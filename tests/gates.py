@@ -16,9 +16,10 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 F = "firmware/spantex/"
 
 STRESS = ["stress", "a_short_run*", [f"sim/stress{part}.cpp" for part in ("", "_describe", "_footprints", "_judge", "_planes", "_polygons")]]
+KERNELS = [f"hal/kernels/{name}.cpp" for name in ("avx2", "avx512", "kernel", "neon", "planar_map", "row_levels", "sse41", "words")]
 OBJECT_SPACE = ["sim/" + name + ".cpp" for name in ("distance_field", "draw_host", "encode", "encode_bc", "encode_etc", "figures", "file", "ideal",
                                                     "image", "map", "object_space_host", "palette", "pattern", "prefilter", "quality", "reference",
-                                                    "scene", "trace", "world")] + [f"hal/kernels/{name}.cpp" for name in ("avx2", "avx512", "kernel", "neon", "planar_map", "row_levels", "sse41", "words")]
+                                                    "scene", "trace", "world")] + KERNELS
 MAPS = ["sim/" + name + ".cpp" for name in ("encode", "encode_bc", "encode_etc", "file", "image", "map", "palette", "pattern", "prefilter")]
 PACKS = MAPS + ["sim/pack.cpp", "sim/inverse_filter.cpp"]
 FIELDS = PACKS + ["sim/distance_field.cpp"]
@@ -46,6 +47,9 @@ GATES = [
     ("swapped banks", F + "local_memory.hpp", "fine_[channel][parity_banks::bank(x, y)][block] = value;",
      "fine_[channel][parity_banks::bank(y, x)][block] = value;", "local_memory_banks", "every_fetch*", []),
     ("output switch without its second bit", F + "local_memory.hpp", "return (select & 2) ?", "return false ?", "local_memory_banks", "every_fetch*", []),
+    ("a vector kernel's halves always up", "hal/kernels/vectors/pixels.hpp", "add16(rest, x & 0x00800080)", "add16(rest, set(0x00800080))", "kernels", "random_planes*", KERNELS),
+    ("a vector kernel's texels beyond a period", "hal/kernels/vectors/spans.hpp", "<= levels.place_limit();", "<= levels.place_limit() + 8192;", "kernels", "random_planes*", KERNELS),
+    ("words rounded half up", "hal/kernels/vectors/words.hpp", "- 1) * in_both + (x >> fraction & in_both)", "- 0) * in_both", "kernels", "random_planes*", KERNELS),
     ("truncated colours", F + "filter.hpp", "uint8_t(round_off(c.value, c.bits, q.colour_rounding))", "uint8_t(c.value >> c.bits)", "filter", "*within_1_lsb*", []),
     ("weights that do not sum to one", F + "filter.hpp", "return (a << weight_bits) + (b - a) * f;", "return (a << weight_bits) - a + (b - a) * f;",
      "filter", "a_constant*", []),
