@@ -55,26 +55,33 @@ class wires {
   struct end { uint16_t value = 0, driven = 0; };
   end host, device;
 
-  void add(const wire_fault& f) { faults_.push_back(f); }
-  void clear_faults() { faults_.clear(); }
-  void at_call(uint64_t call) { call_ = call; }
-  bool active(wire_fault_kind k, const wire_fault** which = nullptr) const;
+  void add(const wire_fault& f) { faults_.push_back(f), choose_active(); }
+  void clear_faults() { faults_.clear(), choose_active(); }
+  void at_call(uint64_t call) {
+    call_ = call;
+    if (call >= next_change_) choose_active();
+  }
+  bool active(wire_fault_kind k, const wire_fault** which = nullptr) const { return !active_.empty() && found(k, which); }
   bool begins(wire_fault_kind k, const wire_fault** which = nullptr) const;
 
-  uint16_t seen_by_host() const;
-  uint16_t seen_by_device(bool glitching = false);
+  uint16_t seen_by_host() const { return active_.empty() ? sound_levels() : faulty_for_host(); }
+  uint16_t seen_by_device(bool glitching = false) { return last_seen_ = active_.empty() ? sound_levels() : faulty_for_device(glitching); }
   bool glitches() const { return active(wire_fault_kind::glitch); }
   // Both ends drove a wire to different levels, though every wire was sound.
   uint64_t conflicts() const { return conflicts_; }
   void note_conflicts();
 
  private:
-  bool is_active(const wire_fault& f) const { return call_ >= f.first_call && (f.calls == 0 || call_ - f.first_call < f.calls); }
+  void choose_active();
+  bool found(wire_fault_kind k, const wire_fault** which) const;
+  uint16_t sound_levels() const { return uint16_t((host.value & host.driven) | (device.value & device.driven)); }
+  uint16_t faulty_for_host() const;
+  uint16_t faulty_for_device(bool glitching) const;
   uint16_t levels() const;
   uint16_t crossed(uint16_t bits) const;  // between the device's ends and wires
 
-  std::vector<wire_fault> faults_;
-  uint64_t call_ = 0, conflicts_ = 0;
+  std::vector<wire_fault> faults_, active_;  // all; those of this call, in the same order
+  uint64_t call_ = 0, next_change_ = UINT64_MAX, conflicts_ = 0;
   uint16_t last_seen_ = 0;
 };
 
