@@ -149,17 +149,15 @@ class simulated_lines : public bench_lines {
   uint64_t calls_ = 0, now_ns_ = 0, awake_ns_ = 0;
 };
 
-template <class Prof>
-using plain_responder = bench::responder<direct_engine<Prof>, Prof>;
-
-// With a device of the library: the direct engine behind a responder.
-template <class Prof, int DataBits = 8, class Responder = plain_responder<Prof>>
+// With a device: an engine, the library's direct one if no other is named, behind a responder.
+template <class Prof, int DataBits = 8, class Engine = direct_engine<Prof>, class Responder = bench::responder<Engine, Prof>>
 class simulated_bench final : public simulated_lines {
  public:
-  explicit simulated_bench(const Prof& prof = {}) : simulated_lines(DataBits), engine_(prof), responder_(engine_, prof) {
+  simulated_bench() : simulated_lines(DataBits), responder_(engine_, {}) {
     if (DataBits == 4) end_.narrow();
     port_.emplace(end_, responder_);
   }
+  Engine& engine() { return engine_; }
   Responder& responder() { return responder_; }
 
  private:
@@ -170,7 +168,7 @@ class simulated_bench final : public simulated_lines {
     port_.emplace(end_, responder_);
   }
 
-  direct_engine<Prof> engine_;
+  Engine engine_;
   Responder responder_;
   std::optional<bench::port<device_end, Responder, DataBits>> port_;
 };

@@ -158,7 +158,7 @@ void every_lie_from_every_answer(void**) {
   for (int k = 0; k < lie_count; ++k)
     for (int count : {1, 1 << 30})
       for (int from = 0; from < 16; ++from) {
-        simulated_bench<prof, 8, lying_responder> bench;
+        simulated_bench<prof, 8, direct, lying_responder> bench;
         bench.responder().told = lie(k);
         bench.responder().from_answer = from;
         bench.responder().answers = count;
@@ -168,7 +168,7 @@ void every_lie_from_every_answer(void**) {
   // Lies that no repetition mends are never taken for the truth.
   for (lie l : {lie::wrong_crc, lie::wrong_seal, lie::another_sequence, lie::unknown_code, lie::too_long, lie::not_spantex, lie::newer_version,
                 lie::other_coefficients, lie::other_profile, lie::no_burst, lie::open_refused, lie::always_pending, lie::error_line_high}) {
-    simulated_bench<prof, 8, lying_responder> bench;
+    simulated_bench<prof, 8, direct, lying_responder> bench;
     bench.responder().told = l;
     tally t;
     judge(bench, {}, t);
