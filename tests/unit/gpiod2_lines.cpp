@@ -201,4 +201,7 @@ void a_chip_is_found_by_name_and_label(void**) {
 
 }  // namespace
 
-int main() { return run_gpiod_suite("gpiod2_lines", cmocka_unit_test(a_chip_is_found_by_name_and_label)); }
+int main() {
+  const CMUnitTest own = cmocka_unit_test(a_chip_is_found_by_name_and_label);
+  return run_gpiod_suite("gpiod2_lines", own);
+}
