@@ -43,6 +43,8 @@ constexpr bool position_in_range(const profile& q, const span_coefficients& c, i
   if (!in_range(c.exponent, 0, max_exponent)) return false;
   const uint64_t u = reach_of(c.c_u, c.a_u, c.b_u, farthest), v = reach_of(c.c_v, c.a_v, c.b_v, farthest), n = u > v ? u : v;
   if (n >= uint64_t(1) << q.offset_bits || n > (uint64_t(1) << (c.exponent + max_extent_log2)) + 16) return false;
+  // A series multiplies by up to 4/3 where w falls to 3/4.
+  if (c.how == evaluation::series && n > (uint64_t(1) << (q.offset_bits - 1)) + 16) return false;
   const int shift = c.exponent - q.coordinate_bits + (c.how == evaluation::divide ? q.reciprocal_bits : 0);
   return shift <= longest_position_shift(q);
 }
