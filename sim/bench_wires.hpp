@@ -118,16 +118,16 @@ class simulated_lines : public bench_lines {
   static constexpr uint64_t call_ns = 200, poll_ns = 200;
 
   int data_bits() const override { return data_bits_; }
-  status drive_data(uint8_t value) override;
-  status release_data() override;
-  status read_data(uint8_t& value) override;
+  status reopen() override { return call(); }
+  void release_all() override;
+  uint64_t now_ns() override { return now_ns_; }
+  void pause(uint64_t ns) override { pass(ns); }
+  status wait_edge(uint64_t limit_ns) override;
   status set_control(const bench::control_lines& c) override;
   status read_status(bench::status_lines& s) override;
-  status wait_edge(uint64_t limit_ns) override;
-  void pause(uint64_t ns) override { pass(ns); }
-  uint64_t now_ns() override { return now_ns_; }
-  void release_all() override;
-  status reopen() override { return call(); }
+  status drive_data(uint8_t value) override;
+  status read_data(uint8_t& value) override;
+  status release_data() override;
   std::string trouble() const override { return "simulated chip: call " + std::to_string(calls_) + " failed"; }
 
   wires& lines() { return wires_; }

@@ -32,13 +32,14 @@ class sysfs_pins {
     }
   }
 
-  // The clock first: whatever else the host sets is set before the clock rises.
+  // The clock first: whatever else the host sets is set before the clock rises, and means nothing while clock and reset are low.
   bench::control_lines control() {
     bench::control_lines c;
     c.clock = is_high(clock_line);
+    c.reset = is_high(reset_line);
+    if (!c.clock && !c.reset) return c;
     c.to_host = is_high(direction_line);
     c.command = is_high(command_line);
-    c.reset = is_high(reset_line);
     return c;
   }
   uint8_t data() {
