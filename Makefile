@@ -75,7 +75,7 @@ fuzz: setup-build setup-test ## fuzz both frame parsers of the bench and the dev
 	@for t in $(FUZZED); do \
 	  clang++ $(STD) $(FUZZ) $(WARN) $(INCLUDES) tests/fuzz/$$t.cpp hal/bench_engine.cpp hal/bench_link.cpp -o $(B)/fuzz/$$t || exit 1; \
 	  mkdir -p $(B)/fuzz/found/$$t; \
-	  $(B)/fuzz/$$t -runs=$(FUZZ_RUNS) -seed=$(FUZZ_SEED) -entropic=0 -max_len=400 -timeout=10 -verbosity=0 -print_final_stats=1 -artifact_prefix=$(B)/fuzz/ $(B)/fuzz/found/$$t tests/fuzz/corpus/$$t || exit 1; done
+	  $(B)/fuzz/$$t -runs=$(FUZZ_RUNS) -seed=$(FUZZ_SEED) -entropic=0 -max_len=400 -timeout=120 -verbosity=0 -print_final_stats=1 -artifact_prefix=$(B)/fuzz/ $(B)/fuzz/found/$$t tests/fuzz/corpus/$$t || exit 1; done
 
 SANITIZE := -g -fsanitize=address,undefined,unsigned-integer-overflow -fno-sanitize-recover=all \
             -fsanitize-ignorelist=tests/sanitize.ignore -DSPANTEX_CHECK_TRUST

@@ -48,9 +48,11 @@ class sysfs_pins {
     return uint8_t(byte);
   }
   void drive(uint8_t byte) {
-    for (int k = 0; k < 8; ++k) pull(k, (byte >> k & 1) != 0);
+    for (int k = 0; k < 8; ++k)
+      if (((byte ^ pulled_) >> k & 1) != 0) pull(k, (byte >> k & 1) != 0);
+    pulled_ = byte;
   }
-  void release() {}  // a pull gives way to an output
+  void release() { drive(0); }  // as the wires' own pull-downs; a pull gives way to an output
   void show(const bench::status_lines& s) {
     // Ready last: the others are meant to be seen with it.
     if (s.busy != shown_.busy || first_) pull(busy_line, s.busy);
@@ -80,6 +82,7 @@ class sysfs_pins {
 
   int values_[line_count], pulls_[line_count];
   bench::status_lines shown_{};
+  uint8_t pulled_ = 0;
   bool first_ = true;
   long bytes_left_;
   const char* file_;
