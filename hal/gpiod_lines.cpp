@@ -102,15 +102,16 @@ bool carries(gpiod_chip* chip, const std::string& name) {
 // By path, name or label, as version 1 does it.
 gpiod_chip* open(const std::string& name) {
   if (!name.empty() && name[0] == '/') return gpiod_chip_open(name.c_str());
+  int error = ENOENT;  // or why one could not be opened that may be the one
   for (int k = 0; k < 64; ++k) {
     const std::string path = "/dev/gpiochip" + std::to_string(k);
     if (!gpiod_is_gpiochip_device(path.c_str())) continue;
     gpiod_chip* chip = gpiod_chip_open(path.c_str());
-    if (chip == nullptr && path == "/dev/" + name) return nullptr;
+    if (chip == nullptr) error = errno;
     if (chip != nullptr && carries(chip, name)) return chip;
     if (chip != nullptr) gpiod_chip_close(chip);
   }
-  errno = ENOENT;
+  errno = error;
   return nullptr;
 }
 void close(gpiod_chip* chip) { gpiod_chip_close(chip); }
@@ -262,6 +263,8 @@ status gpiod_lines::failed(const std::string& what, int error) {
   return status::device_error;
 }
 
+std::string gpiod_lines::data_lines() const { return "lines D0 to D" + std::to_string(rig_.data_bits - 1); }
+
 status gpiod_lines::may_go_on() {
   if (interrupted()) {
     trouble_ = rig_.chip + ": stopped by signal " + std::to_string(int(stopped_by));
@@ -289,7 +292,9 @@ status gpiod_lines::open() {
   const auto request = [&](gpio::group& g, const std::vector<named>& names, bool with_edges) {
     for (const auto& [role, name] : names) {
       const bool is_offset = !name->empty() && name->size() < 6 && name->find_first_not_of("0123456789") == std::string::npos;
-      if (!gpio::add(made->handle, g, *name, is_offset)) return failed("line " + std::string(role) + " = " + *name + ": no such line", errno);
+      if (gpio::add(made->handle, g, *name, is_offset)) continue;
+      const bool unknown = errno == ENOENT || errno == EINVAL;
+      return failed("line " + std::string(role) + " = " + *name + (unknown ? ": no such line" : ""), errno);
     }
     if (gpio::request(made->handle, g, with_edges) == 0) return status::ok;
     const int error = errno;
@@ -321,14 +326,14 @@ status gpiod_lines::drive_data(uint8_t value) {
   chip_->data_driven = true;
   const int r = chip_->data_out ? gpio::set(chip_->data, values) : gpio::make_outputs(chip_->data, values);
   chip_->data_out = r == 0;
-  return r == 0 ? status::ok : failed("data lines, set", errno);
+  return r == 0 ? status::ok : failed(data_lines() + ", set", errno);
 }
 
 status gpiod_lines::release_data() {
   SPANTEX_TRY(may_go_on());
   if (!chip_->data_driven) return status::ok;
   chip_->data_out = false;
-  if (gpio::make_inputs(chip_->data) != 0) return failed("data lines, released", errno);
+  if (gpio::make_inputs(chip_->data) != 0) return failed(data_lines() + ", released", errno);
   chip_->data_driven = false;
   return status::ok;
 }
@@ -336,7 +341,7 @@ status gpiod_lines::release_data() {
 status gpiod_lines::read_data(uint8_t& value) {
   SPANTEX_TRY(may_go_on());
   int values[most_lines] = {};
-  if (gpio::get(chip_->data, values) != 0) return failed("data lines, read", errno);
+  if (gpio::get(chip_->data, values) != 0) return failed(data_lines() + ", read", errno);
   value = 0;
   for (int k = 0; k < rig_.data_bits; ++k) value = uint8_t(value | (values[k] != 0 ? 1 : 0) << k);
   return status::ok;
@@ -348,13 +353,13 @@ status gpiod_lines::set_control(const bench::control_lines& lines) {
   chip_->control_driven = true;
   const int r = chip_->control_out ? gpio::set(chip_->control, values) : gpio::make_outputs(chip_->control, values);
   chip_->control_out = r == 0;
-  return r == 0 ? status::ok : failed("lines clock, direction, command, reset", errno);
+  return r == 0 ? status::ok : failed("lines clock to reset, set", errno);
 }
 
 status gpiod_lines::read_status(bench::status_lines& lines) {
   SPANTEX_TRY(may_go_on());
   int values[3] = {};
-  if (gpio::get(chip_->shown, values) != 0) return failed("lines ready, busy, error, read", errno);
+  if (gpio::get(chip_->shown, values) != 0) return failed("lines ready to error, read", errno);
   lines = {values[0] != 0, values[1] != 0, values[2] != 0};
   return status::ok;
 }
@@ -364,7 +369,7 @@ status gpiod_lines::wait_edge(uint64_t limit_ns) {
   SPANTEX_TRY(may_go_on());
   const int r = gpio::wait(chip_->shown, std::min<uint64_t>(limit_ns, 100'000'000));
   if (r > 0 || (r < 0 && errno == EINTR)) return may_go_on();
-  return r == 0 ? status::device_timeout : failed("lines ready, busy, error, events", errno);
+  return r == 0 ? status::device_timeout : failed("lines ready to error, events", errno);
 }
 
 void gpiod_lines::pause(uint64_t ns) {

@@ -55,6 +55,7 @@ class gpiod_lines final : public bench_lines {
   struct chip;
   status failed(const std::string& what, int error);
   status may_go_on();
+  std::string data_lines() const;
 
   gpiod_rig rig_;
   std::unique_ptr<chip> chip_;

@@ -3,6 +3,7 @@
 
 #include <sim/random.hpp>
 #include <spantex/filter.hpp>
+#include <spantex/texture.hpp>
 
 namespace spantex::sim {
 
@@ -11,6 +12,7 @@ const char* to_string(stage s) {
     case stage::answers: return "answers";
     case stage::finer_memory: return "finer local memory";
     case stage::finer_filter: return "bilinear filter";
+    case stage::write_out: return "write-out";
     case stage::coordinates: return "coordinates or correction";
     case stage::level: return "level of detail";
     case stage::coarser_level: return "coarser level";
@@ -26,17 +28,28 @@ std::string colour(rgba8 c) {
   return std::to_string(c.r) + " " + std::to_string(c.g) + " " + std::to_string(c.b) + " " + std::to_string(c.a);
 }
 
-// Affine, one texel a pixel, on level 0; positions (x, y) + 1/2 + fraction/256 of the finer memory.
-span_coefficients plain(int32_t x, int32_t y, filter kind, int fraction) {
+// Affine, one texel a pixel, on level 0; positions (x, y) + 1/2 + (fraction_u, fraction_v)/256 of the finer memory.
+span_coefficients plain(int32_t x, int32_t y, filter kind, int fraction_u, int fraction_v) {
   span_coefficients c{};
   c.exponent = 11;  // within the shortest offsets
   c.base_u = x + 4;
   c.base_v = y + 4;
   c.a_u = c.b_v = 1 << 10;
-  c.c_u = c.c_v = fraction << 3;
+  c.c_u = fraction_u << 3;
+  c.c_v = fraction_v << 3;
   c.how = evaluation::affine;
   c.kind = kind;
   c.fine = {x, y, uint32_t(1) << 31, uint32_t(1) << 31, 0, false, false};
+  return c;
+}
+
+// The span's own positions, one sample a pixel: where a pixel stands about its own centre, only that.
+span_coefficients positions_of(span_coefficients c) {
+  c.kind = filter::bilinear;
+  c.two_levels = false;
+  c.axis.partial = false;
+  if (c.centred) c.a_u = c.b_u = c.a_v = c.b_v = c.g = c.h = 0;
+  c.centred = false;
   return c;
 }
 
@@ -60,8 +73,9 @@ status comparing_engine::both(half h, operation what, status tested, status want
     first_difference d;
     d.what = what;
     d.which = h;
-    d.span_x = int32_t(marked_ & 0xFFFF);
-    d.span_y = int32_t(marked_ >> 16);
+    const uint32_t span = what == operation::take ? memory_[int(h)].span : marked_;  // the other half may be further on
+    d.span_x = int32_t(span & 0xFFFF);
+    d.span_y = int32_t(span >> 16);
     d.wanted_status = wanted;
     d.got_status = tested;
     d.operation_index = operations_ - 1;
@@ -144,18 +158,37 @@ bool comparing_engine::differs(half h, const span_coefficients& c, const uint64_
 bool comparing_engine::memory_differs(half h) {
   for (int y = 0; y < fine_side_; y += span_side)
     for (int x = 0; x < fine_side_; x += span_side)
-      if (differs(h, plain(x, y, filter::nearest, 0), memory_[int(h)].words.data(), full_mask)) return true;
+      if (differs(h, plain(x, y, filter::nearest, 0, 0), memory_[int(h)].words.data(), full_mask)) return true;
   return false;
 }
 
-bool comparing_engine::filter_differs(half h) {
+// Seven pixels a row, as a section of 8 holds seven 2x2; the axes' weights differ, so that exchanged ones show. Not rounded: weights of whole
+// quarters and texels of 16 times a whole number, so that every colour is whole.
+bool comparing_engine::filter_differs(half h, bool rounded) {
   random_source random(1);
   std::array<uint64_t, 640> words;
-  for (uint64_t& w : words) w = random.next();
-  // Weights of 0 to almost 1; seven pixels a row, as a section of 8 holds seven 2x2.
-  for (int fraction = 0; fraction < 256; fraction += 17)
-    if (differs(h, plain(0, 0, filter::bilinear, fraction), words.data(), 0x007F7F7F7F7F7F7F)) return true;
+  for (uint64_t& w : words) w = rounded ? random.next() : random.next() & 0xF0F0F0F0F0F0F0F0;
+  const int step = rounded ? 17 : 64;
+  for (int u = 0; u < 256; u += step)
+    for (int v = 0; v < 256; v += rounded ? 3 * step : step)
+      if (differs(h, plain(0, 0, filter::bilinear, u, v), words.data(), 0x007F7F7F7F7F7F7F)) return true;
   return false;
+}
+
+// All of one level black, all of the other white.
+std::array<uint64_t, 640> comparing_engine::two_shades(bool finer_white) const {
+  std::array<uint64_t, 640> words;
+  for (int k = 0; k < word_count(); ++k) words[size_t(k)] = (k < finer_words(fine_side_)) == finer_white ? ~uint64_t(0) : 0;
+  return words;
+}
+
+// A level of detail beyond every map gives the largest fraction whatever its error: bits of the coarser memory that are stuck then show on black or on
+// white, a fraction that is wrong even so on both.
+stage comparing_engine::level_or_memory(half h, span_coefficients c, span_mask mask) {
+  for (int k = 0; k < span_side; ++k) c.level_row[k] = c.level_column[k] = INT16_MAX;
+  c.last_level = max_levels - 1;
+  const bool on_black = differs(h, c, two_shades(true).data(), mask), on_white = differs(h, c, two_shades(false).data(), mask);
+  return on_black != on_white ? stage::coarser_level : stage::level;
 }
 
 // Leaves the half with the words that it held.
@@ -163,21 +196,17 @@ stage comparing_engine::find_stage(half h) {
   const memory m = memory_[int(h)];
   const auto decide = [&] {
     if (memory_differs(h)) return stage::finer_memory;
-    if (filter_differs(h)) return stage::finer_filter;
-    span_coefficients c = m.coefficients;
+    if (filter_differs(h, false)) return stage::finer_filter;
+    if (filter_differs(h, true)) return stage::write_out;
+    span_coefficients c = positions_of(m.coefficients);
     std::array<uint64_t, 640> words;
     random_source random(2);
     for (uint64_t& w : words) w = random.next();
-    c.kind = filter::bilinear;
-    c.two_levels = false;
-    c.axis.partial = false;
-    c.centred = false;
     if (differs(h, c, words.data(), m.mask)) return stage::coordinates;
     if (m.coefficients.two_levels) {
       c.kind = filter::trilinear;
       c.two_levels = true;
-      for (int k = 0; k < word_count(); ++k) words[size_t(k)] = k < finer_words(fine_side_) ? 0 : ~uint64_t(0);
-      if (differs(h, c, words.data(), m.mask)) return stage::level;
+      if (differs(h, c, two_shades(false).data(), m.mask)) return level_or_memory(h, c, m.mask);
       if (differs(h, c, m.words.data(), m.mask)) return stage::coarser_level;
     }
     return differs(h, m.coefficients, m.words.data(), m.mask) ? stage::footprint : stage::not_repeatable;

@@ -17,7 +17,8 @@ namespace spantex::sim {
 enum class stage : uint8_t {
   answers,            // the engines' statuses differ, not pixels
   finer_memory,       // texels come back as they were loaded: loading, banks, output switch
-  finer_filter,       // bilinear at known positions
+  finer_filter,       // bilinear at known positions, where no colour needs rounding
+  write_out,          // the same where colours are rounded
   coordinates,        // position, snapping and correction of the span's own coefficients
   level,              // the level's fraction
   coarser_level,      // the coarser level's memory, position and blending
@@ -65,7 +66,9 @@ class comparing_engine final : public any_engine {
   int word_count() const { return (fine_side_ * fine_side_ + fine_side_ * fine_side_ / 4) * 4 / 8; }
   bool differs(half h, const span_coefficients& c, const uint64_t* words, span_mask mask);
   bool memory_differs(half h);
-  bool filter_differs(half h);
+  bool filter_differs(half h, bool rounded);
+  std::array<uint64_t, 640> two_shades(bool finer_white) const;
+  stage level_or_memory(half h, span_coefficients c, span_mask mask);
   stage find_stage(half h);
 
   any_engine &tested_, &wanted_;

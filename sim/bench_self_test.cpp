@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench_self_test.hpp"
 
+#include "random.hpp"
+
 namespace spantex::sim {
 namespace {
 
@@ -19,6 +21,7 @@ std::string levels_of(const bench::control_lines& c) {
 }
 
 constexpr uint16_t unstable = 0xFFFF;
+constexpr int walk_steps = 256;
 
 class tester {
  public:
@@ -43,7 +46,7 @@ class tester {
       SPANTEX_TRY(lines_.set_control({.reset = true}));
       SPANTEX_TRY(shows(c, {c.clock, c.command, c.to_host}));
     }
-    const int all = (1 << lines_.data_bits()) - 1;
+    const int all = all_data();
     for (bool plain : {true, false}) {
       SPANTEX_TRY(echoes(0, plain));
       SPANTEX_TRY(echoes(uint8_t(all), plain));
@@ -53,7 +56,52 @@ class tester {
       }
     }
     for (int pattern = 0; pattern <= all; ++pattern) SPANTEX_TRY(echoes(uint8_t(pattern), false));
+    SPANTEX_TRY(walks());
     return lines_.set_control({});
+  }
+
+  // What the steps above cannot tell apart shows where levels meet that they keep apart: out of reset with data high, one byte after another without
+  // rest, nothing driven. The same levels each time, at random; the clock falls first and rises last, and the host drives only towards the device.
+  status walks() {
+    random_source random(1);
+    bench::control_lines c{.reset = true};
+    int latched = 0;
+    SPANTEX_TRY(lines_.set_control({}));
+    for (int n = 0; n < walk_steps; ++n) {
+      const uint64_t x = random.next();
+      const bool in_reset = (x >> 8) % 8 != 0, drives = (x & 8) != 0, entered = in_reset && !c.reset;
+      SPANTEX_TRY(lines_.set_control({.to_host = c.to_host, .command = c.command, .reset = c.reset}));
+      SPANTEX_TRY(lines_.release_data());
+      c = {in_reset && (x & 1) != 0, in_reset && (x & 2) != 0, (x & 4) != 0, in_reset};
+      SPANTEX_TRY(lines_.set_control({.to_host = c.to_host, .command = c.command, .reset = c.reset}));
+      const int data = drives ? int(x >> 16) & all_data() : 0;
+      if (drives && !c.to_host) SPANTEX_TRY(lines_.drive_data(uint8_t(data)));
+      SPANTEX_TRY(lines_.set_control(c));
+      if (entered) latched = 0;
+      if (c.clock && !c.to_host) latched = data;
+      const bool answers = c.clock && c.to_host;
+      const bench::status_lines shown = in_reset ? bench::status_lines{c.clock, c.command, c.to_host} : bench::status_lines{};
+      const int wanted = bits_of(shown) | (answers ? echo_of(latched, c.command) : 0);
+      SPANTEX_TRY(observe(uint16_t(wanted), "step " + std::to_string(n) + " of the walk, " + levels_of(c), [&](uint16_t& seen) { return read_all(answers, seen); }));
+    }
+    return lines_.release_data();
+  }
+
+  int all_data() const { return (1 << lines_.data_bits()) - 1; }
+  // What comes back of a byte.
+  int echo_of(int byte, bool plain) const {
+    const int turned = (byte << 1 | byte >> (lines_.data_bits() - 1)) & all_data();
+    return plain ? turned : turned ^ all_data();
+  }
+  static uint16_t bits_of(const bench::status_lines& s) {
+    return uint16_t((s.ready ? bit_of(wire::ready) : 0) | (s.busy ? bit_of(wire::busy) : 0) | (s.error ? bit_of(wire::error) : 0));
+  }
+  status read_all(bool with_data, uint16_t& seen) {
+    uint16_t byte = 0;
+    SPANTEX_TRY(read_shown(seen));
+    if (with_data) SPANTEX_TRY(read_byte(byte));
+    seen = uint16_t(seen | byte);
+    return status::ok;
   }
 
   // Until the levels are as wanted, or have had time to be.
@@ -82,7 +130,7 @@ class tester {
   status read_shown(uint16_t& seen) {
     bench::status_lines s;
     SPANTEX_TRY(lines_.read_status(s));
-    seen = uint16_t((s.ready ? bit_of(wire::ready) : 0) | (s.busy ? bit_of(wire::busy) : 0) | (s.error ? bit_of(wire::error) : 0));
+    seen = bits_of(s);
     return status::ok;
   }
 
@@ -95,13 +143,11 @@ class tester {
 
   status shows(const bench::control_lines& c, const bench::status_lines& wanted) {
     SPANTEX_TRY(lines_.set_control(c));
-    const uint16_t bits = uint16_t((wanted.ready ? bit_of(wire::ready) : 0) | (wanted.busy ? bit_of(wire::busy) : 0) | (wanted.error ? bit_of(wire::error) : 0));
-    return observe(bits, levels_of(c), [&](uint16_t& seen) { return read_shown(seen); });
+    return observe(bits_of(wanted), levels_of(c), [&](uint16_t& seen) { return read_shown(seen); });
   }
 
   // A byte there and back. Lines are changed one after the other: data first, then the clock.
   status echoes(uint8_t pattern, bool plain) {
-    const int bits = lines_.data_bits(), all = (1 << bits) - 1, turned = (pattern << 1 | pattern >> (bits - 1)) & all;
     SPANTEX_TRY(lines_.set_control({.reset = true}));
     SPANTEX_TRY(lines_.drive_data(pattern));
     SPANTEX_TRY(shows({.clock = true, .reset = true}, {.ready = true}));
@@ -110,7 +156,7 @@ class tester {
     SPANTEX_TRY(lines_.set_control({.to_host = true, .command = plain, .reset = true}));
     SPANTEX_TRY(shows({.clock = true, .to_host = true, .command = plain, .reset = true}, {true, plain, true}));
     const std::string where = "data " + std::to_string(pattern) + (plain ? " plain" : " complemented");
-    SPANTEX_TRY(observe(uint16_t(plain ? turned : turned ^ all), where, [&](uint16_t& seen) { return read_byte(seen); }));
+    SPANTEX_TRY(observe(uint16_t(echo_of(pattern, plain)), where, [&](uint16_t& seen) { return read_byte(seen); }));
     SPANTEX_TRY(lines_.set_control({.to_host = true, .reset = true}));
     return shows({.reset = true}, {});
   }

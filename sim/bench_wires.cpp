@@ -35,9 +35,20 @@ std::string wire_fault::text() const {
 
 // --- levels --------------------------------------------------------------------------------------------
 
-bool wires::active(wire_fault_kind k, const wire_fault** which) const {
-  for (const wire_fault& f : faults_)
-    if (f.kind == k && is_active(f)) {
+void wires::choose_active() {
+  active_.clear();
+  next_change_ = UINT64_MAX;
+  for (const wire_fault& f : faults_) {
+    const bool begun = call_ >= f.first_call, over = begun && f.calls != 0 && call_ - f.first_call >= f.calls;
+    if (begun && !over) active_.push_back(f);
+    if (!begun) next_change_ = std::min(next_change_, f.first_call);
+    else if (!over && f.calls != 0) next_change_ = std::min(next_change_, f.first_call + f.calls);
+  }
+}
+
+bool wires::found(wire_fault_kind k, const wire_fault** which) const {
+  for (const wire_fault& f : active_)
+    if (f.kind == k) {
       if (which != nullptr) *which = &f;
       return true;
     }
@@ -52,8 +63,8 @@ bool wires::begins(wire_fault_kind k, const wire_fault** which) const {
 }
 
 uint16_t wires::crossed(uint16_t bits) const {
-  for (const wire_fault& f : faults_) {
-    if (f.kind != wire_fault_kind::swapped || !is_active(f)) continue;
+  for (const wire_fault& f : active_) {
+    if (f.kind != wire_fault_kind::swapped) continue;
     const bool a = (bits & bit_of(f.a)) != 0, b = (bits & bit_of(f.b)) != 0;
     if (a != b) bits = uint16_t(bits ^ (bit_of(f.a) | bit_of(f.b)));
   }
@@ -64,36 +75,33 @@ uint16_t wires::levels() const {
   const uint16_t value = crossed(device.value & device.driven), driven = crossed(device.driven);
   const uint16_t all_driven = host.driven | driven;
   uint16_t level = uint16_t((host.value & host.driven) | value);
-  if (faults_.empty()) return level;
-  for (const wire_fault& f : faults_) {
-    if (!is_active(f) || (f.kind != wire_fault_kind::bridged_low && f.kind != wire_fault_kind::bridged_high)) continue;
+  for (const wire_fault& f : active_) {
+    if (f.kind != wire_fault_kind::bridged_low && f.kind != wire_fault_kind::bridged_high) continue;
     const uint16_t both = bit_of(f.a) | bit_of(f.b), pulling = all_driven & both, high = level & both;
     const bool up = f.kind == wire_fault_kind::bridged_high ? high != 0 : pulling != 0 && (high & pulling) == pulling;
     level = uint16_t(up ? level | both : level & ~both);
   }
-  for (const wire_fault& f : faults_) {
-    if (!is_active(f)) continue;
+  for (const wire_fault& f : active_) {
     if (f.kind == wire_fault_kind::stuck_low) level &= uint16_t(~bit_of(f.a));
     if (f.kind == wire_fault_kind::stuck_high) level |= bit_of(f.a);
   }
   return level;
 }
 
-uint16_t wires::seen_by_host() const {
+uint16_t wires::faulty_for_host() const {
   uint16_t level = levels();
-  for (const wire_fault& f : faults_)
-    if (f.kind == wire_fault_kind::flipped_at_host && is_active(f)) level ^= bit_of(f.a);
+  for (const wire_fault& f : active_)
+    if (f.kind == wire_fault_kind::flipped_at_host) level ^= bit_of(f.a);
   return level;
 }
 
-uint16_t wires::seen_by_device(bool glitching) {
+uint16_t wires::faulty_for_device(bool glitching) const {
   uint16_t level = crossed(levels());
-  for (const wire_fault& f : faults_) {
-    if (!is_active(f)) continue;
+  for (const wire_fault& f : active_) {
     if (f.kind == wire_fault_kind::flipped_at_device || (glitching && f.kind == wire_fault_kind::glitch)) level ^= bit_of(f.a);
     if (f.kind == wire_fault_kind::held) level = uint16_t((level & ~bit_of(f.a)) | (last_seen_ & bit_of(f.a)));
   }
-  return last_seen_ = level;
+  return level;
 }
 
 void wires::note_conflicts() {

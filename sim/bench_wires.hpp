@@ -55,26 +55,33 @@ class wires {
   struct end { uint16_t value = 0, driven = 0; };
   end host, device;
 
-  void add(const wire_fault& f) { faults_.push_back(f); }
-  void clear_faults() { faults_.clear(); }
-  void at_call(uint64_t call) { call_ = call; }
-  bool active(wire_fault_kind k, const wire_fault** which = nullptr) const;
+  void add(const wire_fault& f) { faults_.push_back(f), choose_active(); }
+  void clear_faults() { faults_.clear(), choose_active(); }
+  void at_call(uint64_t call) {
+    call_ = call;
+    if (call >= next_change_) choose_active();
+  }
+  bool active(wire_fault_kind k, const wire_fault** which = nullptr) const { return !active_.empty() && found(k, which); }
   bool begins(wire_fault_kind k, const wire_fault** which = nullptr) const;
 
-  uint16_t seen_by_host() const;
-  uint16_t seen_by_device(bool glitching = false);
+  uint16_t seen_by_host() const { return active_.empty() ? sound_levels() : faulty_for_host(); }
+  uint16_t seen_by_device(bool glitching = false) { return last_seen_ = active_.empty() ? sound_levels() : faulty_for_device(glitching); }
   bool glitches() const { return active(wire_fault_kind::glitch); }
   // Both ends drove a wire to different levels, though every wire was sound.
   uint64_t conflicts() const { return conflicts_; }
   void note_conflicts();
 
  private:
-  bool is_active(const wire_fault& f) const { return call_ >= f.first_call && (f.calls == 0 || call_ - f.first_call < f.calls); }
+  void choose_active();
+  bool found(wire_fault_kind k, const wire_fault** which) const;
+  uint16_t sound_levels() const { return uint16_t((host.value & host.driven) | (device.value & device.driven)); }
+  uint16_t faulty_for_host() const;
+  uint16_t faulty_for_device(bool glitching) const;
   uint16_t levels() const;
   uint16_t crossed(uint16_t bits) const;  // between the device's ends and wires
 
-  std::vector<wire_fault> faults_;
-  uint64_t call_ = 0, conflicts_ = 0;
+  std::vector<wire_fault> faults_, active_;  // all; those of this call, in the same order
+  uint64_t call_ = 0, next_change_ = UINT64_MAX, conflicts_ = 0;
   uint16_t last_seen_ = 0;
 };
 
@@ -111,16 +118,16 @@ class simulated_lines : public bench_lines {
   static constexpr uint64_t call_ns = 200, poll_ns = 200;
 
   int data_bits() const override { return data_bits_; }
-  status drive_data(uint8_t value) override;
-  status release_data() override;
-  status read_data(uint8_t& value) override;
+  status reopen() override { return call(); }
+  void release_all() override;
+  uint64_t now_ns() override { return now_ns_; }
+  void pause(uint64_t ns) override { pass(ns); }
+  status wait_edge(uint64_t limit_ns) override;
   status set_control(const bench::control_lines& c) override;
   status read_status(bench::status_lines& s) override;
-  status wait_edge(uint64_t limit_ns) override;
-  void pause(uint64_t ns) override { pass(ns); }
-  uint64_t now_ns() override { return now_ns_; }
-  void release_all() override;
-  status reopen() override { return call(); }
+  status drive_data(uint8_t value) override;
+  status read_data(uint8_t& value) override;
+  status release_data() override;
   std::string trouble() const override { return "simulated chip: call " + std::to_string(calls_) + " failed"; }
 
   wires& lines() { return wires_; }
@@ -142,17 +149,15 @@ class simulated_lines : public bench_lines {
   uint64_t calls_ = 0, now_ns_ = 0, awake_ns_ = 0;
 };
 
-template <class Prof>
-using plain_responder = bench::responder<direct_engine<Prof>, Prof>;
-
-// With a device of the library: the direct engine behind a responder.
-template <class Prof, int DataBits = 8, class Responder = plain_responder<Prof>>
+// With a device: an engine, the library's direct one if no other is named, behind a responder.
+template <class Prof, int DataBits = 8, class Engine = direct_engine<Prof>, class Responder = bench::responder<Engine, Prof>>
 class simulated_bench final : public simulated_lines {
  public:
-  explicit simulated_bench(const Prof& prof = {}) : simulated_lines(DataBits), engine_(prof), responder_(engine_, prof) {
+  simulated_bench() : simulated_lines(DataBits), responder_(engine_, {}) {
     if (DataBits == 4) end_.narrow();
     port_.emplace(end_, responder_);
   }
+  Engine& engine() { return engine_; }
   Responder& responder() { return responder_; }
 
  private:
@@ -163,7 +168,7 @@ class simulated_bench final : public simulated_lines {
     port_.emplace(end_, responder_);
   }
 
-  direct_engine<Prof> engine_;
+  Engine engine_;
   Responder responder_;
   std::optional<bench::port<device_end, Responder, DataBits>> port_;
 };

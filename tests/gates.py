@@ -30,6 +30,9 @@ GPIOD = [*BENCH, "hal/gpiod_lines.cpp", "-DSPANTEX_GPIOD_VERSION=1", "-lgpiod", 
     "chip_open_lookup", "chip_close", "chip_get_line", "chip_find_line", "line_is_used", "line_consumer", "line_request_bulk", "line_release_bulk",
     "line_set_direction_input_bulk", "line_set_direction_output_bulk", "line_set_value_bulk", "line_get_value_bulk", "line_event_wait_bulk", "line_event_read"))]
 
+GPIOD2 = [*BENCH, "hal/gpiod_lines.cpp", "-Itests/gpiod2", "-DSPANTEX_GPIOD_VERSION=2"]
+COMPARE = [*BENCH, "sim/bench_compare.cpp", "sim/trace.cpp"]
+
 # name, file, what stands there, what it is broken into, suite, case, further sources the suite links
 GATES = [
     ("one Newton step less", F + "reciprocal.hpp", "return newton_step(m, y);", "return y;", "reciprocal", "wide_reciprocal*", []),
@@ -123,6 +126,15 @@ GATES = [
      "a_device_that_is_gone*", BENCH),
     ("bench: lines left driven when the device is gone", "hal/bench_engine.cpp", "  connected_ = false;\n  link_.lines().release_all();\n  return why", "  connected_ = false;\n  return why",
      "bench_faults", "a_device_that_is_gone*", BENCH),
+    ("bench: coefficients taken unchecked", "firmware/bench/responder.hpp", "if (!coefficients_in_range(prof_.get(), c)) return", "if (false) return",
+     "coefficient_ranges", "the_device*", BENCH),
+    ("bench: numerators of any size taken", "firmware/bench/coefficient_ranges.hpp", "if (n >= uint64_t(1) << q.offset_bits || n >", "if (n >", "coefficient_ranges", "every_range*", BENCH),
+    ("bench: coefficients of the planner refused", "firmware/bench/coefficient_ranges.hpp", "+ max_extent_log2)) + 16)", "+ max_extent_log2 - 2)))", "coefficient_ranges", "what_the*", BENCH),
+    ("bench: exchanged weights not told from a sound filter", "sim/bench_compare.cpp", "plain(0, 0, filter::bilinear, u, v)", "plain(0, 0, filter::bilinear, u, u)",
+     "bench_compare", "every_broken*seed*", COMPARE),
+    ("bench: a difference in the span of the other half", "sim/bench_compare.cpp", "what == operation::take ? memory_[int(h)].span : marked_", "marked_", "bench_compare", "another_answer*", COMPARE),
+    ("bench: libgpiod 2 leaves its settings", "hal/gpiod_lines.cpp", "  gpiod_line_settings_free(settings);", "", "gpiod2_lines", "every_failing*", GPIOD2),
+    ("bench: a line's lookup fails unnamed", "hal/gpiod_lines.cpp", 'return failed("line " + std::string(role) + " = " + *name', 'return failed("line " + *name', "gpiod_lines", "every_failing*", GPIOD),
     ("bench: control lines stay outputs", "hal/gpiod_lines.cpp", "if (control_driven) control_driven = gpio::make_inputs(control) != 0;", "", "gpiod_lines", "lines_become*", GPIOD),
     ("bench: echo that does not turn", "firmware/bench/port.hpp", "latched_ << 1 | latched_ >> (DataBits - 1)", "latched_", "bench_self_test", "every_single*",
      [*BENCH, "sim/bench_self_test.cpp"]),

@@ -6,6 +6,7 @@
 #pragma once
 #include <stdint.h>
 
+#include <firmware/bench/coefficient_ranges.hpp>
 #include <firmware/bench/frame.hpp>
 #include <firmware/bench/wire.hpp>
 #include <hal/engine.hpp>
@@ -180,6 +181,7 @@ class responder {
     spantex::detail::archive(in, c);
     if (x == nullptr || !in.at_end()) return result::bad_payload;
     if (x->started) return result::half_busy;
+    if (!coefficients_in_range(prof_.get(), c)) return result::bad_coefficients;
     const status s = engine_.load_coefficients(h, c);
     x->loaded = s == status::ok;
     x->partial = c.axis.partial;

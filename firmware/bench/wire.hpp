@@ -49,7 +49,7 @@ enum class result : uint8_t {
   ok,
   half_busy, half_not_loaded, half_not_started, bad_address, engine_error, engine_timeout,  // of the engine
   pending,                                                                                  // read_span: still computing
-  unknown_command, bad_payload, other_version, other_profile,
+  unknown_command, bad_payload, bad_coefficients, other_version, other_profile,
   // in refusals
   incomplete, bad_length, bad_crc, bad_seal,
 };
@@ -92,6 +92,7 @@ constexpr const char* to_string(result r) {
     case result::pending: return "still computing";
     case result::unknown_command: return "unknown command";
     case result::bad_payload: return "payload not as the command wants it";
+    case result::bad_coefficients: return "coefficients outside the datapath's ranges";
     case result::other_version: return "another version of the protocol";
     case result::other_profile: return "another profile";
     case result::incomplete: return "frame incomplete";

@@ -32,13 +32,14 @@ class sysfs_pins {
     }
   }
 
-  // The clock first: whatever else the host sets is set before the clock rises.
+  // The clock first: whatever else the host sets is set before the clock rises, and means nothing while clock and reset are low.
   bench::control_lines control() {
     bench::control_lines c;
     c.clock = is_high(clock_line);
+    c.reset = is_high(reset_line);
+    if (!c.clock && !c.reset) return c;
     c.to_host = is_high(direction_line);
     c.command = is_high(command_line);
-    c.reset = is_high(reset_line);
     return c;
   }
   uint8_t data() {
@@ -47,9 +48,11 @@ class sysfs_pins {
     return uint8_t(byte);
   }
   void drive(uint8_t byte) {
-    for (int k = 0; k < 8; ++k) pull(k, (byte >> k & 1) != 0);
+    for (int k = 0; k < 8; ++k)
+      if (((byte ^ pulled_) >> k & 1) != 0) pull(k, (byte >> k & 1) != 0);
+    pulled_ = byte;
   }
-  void release() {}  // a pull gives way to an output
+  void release() { drive(0); }  // as the wires' own pull-downs; a pull gives way to an output
   void show(const bench::status_lines& s) {
     // Ready last: the others are meant to be seen with it.
     if (s.busy != shown_.busy || first_) pull(busy_line, s.busy);
@@ -79,6 +82,7 @@ class sysfs_pins {
 
   int values_[line_count], pulls_[line_count];
   bench::status_lines shown_{};
+  uint8_t pulled_ = 0;
   bool first_ = true;
   long bytes_left_;
   const char* file_;

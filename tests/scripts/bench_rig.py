@@ -46,6 +46,17 @@ def main():
                     sys.exit(f"{scene}, {profile}: JSON tells something else")
                 expect(run("bench-rig", "replay", folder / "r.rec", "--profile", profile), 0, "operations as recorded")
         expect(run("bench-rig", "replay", folder / "r.rec", "--profile", "seed"), 1, "recorded")
+        # One part of the device broken: span, pixel and stage are told, and the recording says the same to the simulator.
+        for part, stage in (("coordinates", "coordinates or correction"), ("level", "level of detail"), ("fetch", "finer local memory"),
+                            ("filter", "bilinear filter"), ("write-out", "write-out")):
+            done = run("bench-rig", "run", "tilted", "--size", "16x8", "--filter", "trilinear", "--profile", "seed", "--simulated", "--broken", part,
+                       "--json", folder / "j.json", "--record", folder / "r.rec")
+            expect(done, 1, "first difference: operation", f"stage: {stage}")
+            found = json.loads((folder / "j.json").read_text())["first_difference"]
+            if found["stage"] != stage or found["text"] not in done.stdout:
+                sys.exit(f"{part}: JSON says {found}")
+            expect(run("bench-rig", "replay", folder / "r.rec", "--profile", "seed"), 1, found["text"].split(", stage")[0])
+        expect(run("bench-rig", "run", "tilted", "--simulated", "--broken", "wheel"), 2, "wheel", "coordinates")
         for rig, word in BAD_RIGS:
             (folder / "rig.json").write_text(json.dumps(rig))
             expect(run("bench-rig", "identify", "--rig", folder / "rig.json"), 2, word)

@@ -145,14 +145,20 @@ void every_fault_at_every_call(void**) {
     row.refused += t.refused;
     row.add(t.counters);
   });
-  for (int k = 0; k < wire_fault_kind_count; ++k) assert_true(table[k].runs > 0);
+  uint64_t runs = 0;
+  for (int k = 0; k < wire_fault_kind_count; ++k) {
+    assert_true(table[k].runs > 0);
+    runs += table[k].runs;
+  }
+  print_message("%zu faults at %s of %llu calls: %llu runs\n", all.size(), long_run() ? "each" : "every 997th", static_cast<unsigned long long>(calls),
+                static_cast<unsigned long long>(runs));
 }
 
 void every_lie_from_every_answer(void**) {
   for (int k = 0; k < lie_count; ++k)
     for (int count : {1, 1 << 30})
       for (int from = 0; from < 16; ++from) {
-        simulated_bench<prof, 8, lying_responder> bench;
+        simulated_bench<prof, 8, direct, lying_responder> bench;
         bench.responder().told = lie(k);
         bench.responder().from_answer = from;
         bench.responder().answers = count;
@@ -162,7 +168,7 @@ void every_lie_from_every_answer(void**) {
   // Lies that no repetition mends are never taken for the truth.
   for (lie l : {lie::wrong_crc, lie::wrong_seal, lie::another_sequence, lie::unknown_code, lie::too_long, lie::not_spantex, lie::newer_version,
                 lie::other_coefficients, lie::other_profile, lie::no_burst, lie::open_refused, lie::always_pending, lie::error_line_high}) {
-    simulated_bench<prof, 8, lying_responder> bench;
+    simulated_bench<prof, 8, direct, lying_responder> bench;
     bench.responder().told = l;
     tally t;
     judge(bench, {}, t);
@@ -181,7 +187,7 @@ wire_fault random_fault(random_source& r, uint64_t calls) {
   return f;
 }
 
-// Seeds are printed by a failure's schedule; each schedule has one to four faults.
+// One to four faults each; schedule n has seed n, from 1 on.
 void random_schedules(void**) {
   const uint64_t calls = calls_without_faults();
   const int blocks = long_run() ? 1000 : 4;
@@ -206,8 +212,11 @@ void random_schedules(void**) {
     table[random_row].refused += t.refused;
     table[random_row].add(t.counters);
   });
-  assert_true(table[random_row].right > 0);
-  assert_true(table[random_row].refused > 0);
+  const tally& t = table[random_row];
+  print_message("seeds 1 to %llu: %llu right, %llu refused\n", static_cast<unsigned long long>(t.runs), static_cast<unsigned long long>(t.right),
+                static_cast<unsigned long long>(t.refused));
+  assert_true(t.right > 0);
+  assert_true(t.refused > 0);
 }
 
 void interrupted_engine_lets_go(void**) {

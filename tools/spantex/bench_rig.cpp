@@ -18,6 +18,7 @@
 #include <sim/bench_rig.hpp>
 #include <sim/bench_self_test.hpp>
 #include <sim/bench_wires.hpp>
+#include <sim/broken_engine.hpp>
 #include "commands.hpp"
 #include "options.hpp"
 
@@ -28,8 +29,13 @@ using json = nlohmann::ordered_json;
 
 constexpr int exit_found = 1;  // the wires are not sound, or a pixel differs
 
+constexpr std::array<sim::named<sim::broken_part>, 9> broken_part_names{
+    {{"answers", sim::broken_part::answers}, {"fetch", sim::broken_part::fetch}, {"filter", sim::broken_part::filter},
+     {"write-out", sim::broken_part::write_out}, {"coordinates", sim::broken_part::coordinates}, {"level", sim::broken_part::level},
+     {"coarse-fetch", sim::broken_part::coarse_fetch}, {"footprint", sim::broken_part::footprint}, {"memory-cell", sim::broken_part::memory_cell}}};
+
 struct rig_options {
-  std::string rig, json_out;
+  std::string rig, json_out, broken;
   bool simulated = false;
   int simulated_bits = 8;
   double patience_s = -1;
@@ -38,45 +44,43 @@ struct rig_options {
     sub.add_option("--rig", rig, "rig file, JSON: chip, lines, limits");
     sub.add_flag("--simulated", simulated, "instead of a chip: wires and a device in this process");
     sub.add_option("--data-bits", simulated_bits, "with --simulated: 8 or 4 data lines");
+    sub.add_option("--broken", broken, "with --simulated: one part of the device's engine is wrong: " + list_of(broken_part_names));
     sub.add_option("--patience", patience_s, "seconds to wait for a device that is gone, then to go on (default: as in the rig file)");
     sub.add_option("--json", json_out, "what was found, as JSON");
   }
 };
 
-template <profile P>
-std::unique_ptr<bench_lines> simulated_device(int data_bits) {
-  if (data_bits == 4) return std::make_unique<sim::simulated_bench<fixed_profile<P>, 4>>();
-  return std::make_unique<sim::simulated_bench<fixed_profile<P>, 8>>();
-}
-
-std::unique_ptr<bench_lines> simulated_device(sim::profile_choice p, int data_bits) {
+// use(fixed_profile<P>{}) with the profile that was chosen.
+template <class Use>
+auto with_profile(sim::profile_choice p, Use use) {
   switch (p) {
-    case sim::profile_choice::seed: return simulated_device<profiles::seed>(data_bits);
-    case sim::profile_choice::compact: return simulated_device<profiles::compact>(data_bits);
-    case sim::profile_choice::standard: return simulated_device<profiles::standard>(data_bits);
-    case sim::profile_choice::exact: return simulated_device<profiles::exact>(data_bits);
+    case sim::profile_choice::seed: return use(fixed_profile<profiles::seed>{});
+    case sim::profile_choice::compact: return use(fixed_profile<profiles::compact>{});
+    case sim::profile_choice::exact: return use(fixed_profile<profiles::exact>{});
+    case sim::profile_choice::standard: break;
   }
-  return nullptr;
+  return use(fixed_profile<profiles::standard>{});
 }
 
 const profile& numbers_of(sim::profile_choice p) {
-  switch (p) {
-    case sim::profile_choice::seed: return profiles::seed;
-    case sim::profile_choice::compact: return profiles::compact;
-    case sim::profile_choice::standard: return profiles::standard;
-    case sim::profile_choice::exact: return profiles::exact;
-  }
-  return profiles::standard;
+  return *with_profile(p, [](auto prof) { return &decltype(prof)::value; });
+}
+
+template <class Prof, int DataBits>
+std::unique_ptr<bench_lines> simulated_device(sim::broken_part broken) {
+  auto made = std::make_unique<sim::simulated_bench<Prof, DataBits, sim::broken_engine<Prof>>>();
+  made->engine().break_at(broken);
+  return made;
+}
+
+std::unique_ptr<bench_lines> simulated_device(sim::profile_choice p, int data_bits, sim::broken_part broken) {
+  return with_profile(p, [&](auto prof) {
+    return data_bits == 4 ? simulated_device<decltype(prof), 4>(broken) : simulated_device<decltype(prof), 8>(broken);
+  });
 }
 
 std::unique_ptr<any_engine> simulator(sim::profile_choice p) {
-  switch (p) {
-    case sim::profile_choice::seed: return std::make_unique<any_engine_of<sim_engine<fixed_profile<profiles::seed>>>>();
-    case sim::profile_choice::compact: return std::make_unique<any_engine_of<sim_engine<fixed_profile<profiles::compact>>>>();
-    case sim::profile_choice::standard: return std::make_unique<any_engine_of<sim_engine<fixed_profile<profiles::standard>>>>();
-    case sim::profile_choice::exact: return std::make_unique<any_engine_of<sim_engine<fixed_profile<profiles::exact>>>>();
-  }
-  return nullptr;
+  return with_profile(p, [](auto prof) -> std::unique_ptr<any_engine> { return std::make_unique<any_engine_of<sim_engine<decltype(prof)>>>(); });
 }
 
 // The wires as the options name them, open.
@@ -88,8 +92,9 @@ struct connection {
   connection(const rig_options& o, sim::profile_choice p) {
     if (o.simulated == !o.rig.empty()) throw sim::input_error("bench-rig: give --rig FILE or --simulated, one of them");
     if (o.simulated_bits != 8 && o.simulated_bits != 4) throw sim::input_error("--data-bits: must be 8 or 4");
+    if (!o.simulated && !o.broken.empty()) throw sim::input_error("--broken: goes with --simulated");
     if (o.simulated) {
-      lines = simulated_device(p, o.simulated_bits);
+      lines = simulated_device(p, o.simulated_bits, o.broken.empty() ? sim::broken_part::none : value_of(broken_part_names, o.broken, "part"));
       rig.settle_ns = 20'000;
       name = "simulated device";
     } else {
