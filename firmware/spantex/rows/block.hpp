@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: Apache-2.0
+// Rows: texture coordinates for a core that samples the map where it lies (docs/SPEC.md "Rows").
+//
+// The screen is cut into aligned blocks of 2^k x 2^k pixels, 32 down to 1. Block: one division, numerators rebased on a whole texel as in
+// coordinates.hpp, cut to 16 bits. Row: 1/w at the middle of the row by a series in 16-bit products; what is left of the perspective along
+// the row is a polynomial of second degree with integer coefficients,
+//   u(i) = start + i step + i (i - 1)/2 bend        2^-16 texel, exactly,
+// so a pixel takes two additions a coordinate and the order of evaluation cannot matter. A block is as large as that is true to
+// 2^-row_tolerance_bits texel. Products are of 16-bit numbers, sums of 32: the same on Cortex-M0+ as with DSP instructions.
+#pragma once
+#include <stdint.h>
+
+#include <spantex/bits.hpp>
+#include <spantex/coordinates.hpp>
+#include <spantex/plane.hpp>
+
+namespace spantex::rows {
+
+inline constexpr int largest_block_log2 = 5;
+inline constexpr int row_tolerance_bits = 6;
+
+// One coordinate of a block about its centre, hx and hy in half pixels: u - base = (c + a hx + b hy) / (1 + g hx + h hy).
+struct block_axis {
+  int32_t base;   // whole texels of level 0
+  int32_t c;      // 2^-16 unit; a unit is 2^unit_log2 texels
+  int32_t b;      // 2^-16
+  int32_t slope;  // a - c g: w^2 du/dhx in the middle row; 2^-(17 + k)
+  int32_t twist;  // a h - b g: what it gains per hy; 2^-(17 + k)
+};
+
+struct block {
+  block_axis u, v;
+  int32_t g, h;   // 2^-(16 + k)
+  int32_t level;  // level of detail at the centre, s.16; filters with levels
+  int8_t k;       // side 2^k
+  int8_t unit_log2;
+};
+
+struct row_axis { int32_t start, step, bend; };  // 2^-16 unit, relative to the block's base
+struct row { row_axis u, v; };
+
+// Half pixels from the centre to the outermost pixel centres.
+constexpr int32_t reach_of(int k) { return (1 << k) - 1; }
+constexpr int slope_bits(int k) { return 9 + k; }  // of a and b as 16-bit numbers; 8 more in block_axis
+
+namespace detail {
+
+// Whether a block's numbers have their 16 bits: |e| <= 1/8, reach below 24 units.
+constexpr bool fits(const reference& r, int32_t reach, int unit_log2) {
+  if (!r.u_in_range || !r.v_in_range) return false;
+  if (uint64_t(reach) * (magnitude(r.g) + magnitude(r.h)) > uint64_t(r.w) / 8) return false;
+  const uint64_t most = uint64_t(r.w) * (uint64_t(24) << unit_log2);
+  return magnitude(r.c_u) + uint64_t(reach) * (magnitude(r.a_u) + magnitude(r.b_u)) < most &&
+         magnitude(r.c_v) + uint64_t(reach) * (magnitude(r.a_v) + magnitude(r.b_v)) < most;
+}
+
+constexpr int32_t quotient_of(int64_t n, const reference& r, int scale) {
+  return quotient(n, max_of(0, bit_length(magnitude(n)) - 31), r.inverse_w, scale);
+}
+
+constexpr block_axis axis_of(int64_t c, int64_t a, int64_t b, int32_t base, const reference& r, const block& o) {
+  const int bits = slope_bits(o.k) - o.unit_log2;
+  const int32_t a16 = quotient_of(a, r, bits), b16 = quotient_of(b, r, bits), c16 = quotient_of(c, r, 16 - o.unit_log2);
+  return {base, c16, b16 * (1 << (16 - slope_bits(o.k))), a16 * 256 - ((c16 >> 6) * o.g >> 9), (a16 * o.h - b16 * o.g) >> (8 + o.k)};
+}
+
+// The term of third degree that a row leaves out: at most a X (g X)^2 texels, X the reach.
+constexpr bool bends_enough(const block& o, int32_t reach) {
+  const auto size = [](int32_t x) { return x < 0 ? -x : x; };
+  const int32_t e = size(o.g) * reach >> (o.k + 1);                                    // 2^-15
+  const int32_t square = e * e >> 15;
+  const int32_t steeper = size(o.u.slope) > size(o.v.slope) ? size(o.u.slope) : size(o.v.slope);
+  const int32_t extent = ((steeper >> 8) * reach) >> (o.k - 1);                        // 2^-10
+  return extent * square <= 1 << (25 - row_tolerance_bits);
+}
+
+// Level of detail: KT88's formula about the pixel interval, log2 K - 2 log2 W - 1, with an extra bias in 1/16 level.
+constexpr int32_t level_at_centre(const plane& p, int64_t w, int bias) { return p.major_log2 - 2 * log2_16(uint64_t(w)) - (1 << 16) + bias * (1 << 12); }
+
+// A unit is a texel of the level above the finer one of the centre; of level 0 for filters without levels.
+constexpr int unit_of(int32_t level, int last_level) { return clamp_to((level >> 16) - 1, 0, last_level); }
+
+}  // namespace detail
+
+// What a block's level of detail needs: last_level < 0 for filters without levels.
+struct level_terms { int last_level, bias; };
+
+// Coordinates of block (bx, by) of side 2^k. False if the block must be cut, or if k = 0 and the pixel is not in front of the viewer.
+constexpr bool block_at(const plane& p, int32_t bx, int32_t by, int k, level_terms levels, block& out) {
+  const int32_t hx = (2 * bx + 1) * (1 << k), hy = (2 * by + 1) * (1 << k), reach = reach_of(k);
+  if (p.w_at(hx, hy) <= 0) return false;
+  const reference r = reference_at(p, hx, hy);
+  block o{};
+  o.k = int8_t(k);
+  if (levels.last_level >= 0) {
+    o.level = detail::level_at_centre(p, r.w, levels.bias);
+    o.unit_log2 = int8_t(k == 0 ? 0 : detail::unit_of(o.level, levels.last_level));
+  }
+  o.u.base = r.base_u;
+  o.v.base = r.base_v;
+  if (k == 0) {  // a coordinate out of range is +-32767
+    if (r.u_in_range) o.u.c = detail::quotient_of(r.c_u, r, 16);
+    if (r.v_in_range) o.v.c = detail::quotient_of(r.c_v, r, 16);
+    out = o;
+    return true;
+  }
+  if (!detail::fits(r, reach, o.unit_log2)) return false;
+  o.g = detail::quotient_of(r.g, r, 16 + k);
+  o.h = detail::quotient_of(r.h, r, 16 + k);
+  o.u = detail::axis_of(r.c_u, r.a_u, r.b_u, r.base_u, r, o);
+  o.v = detail::axis_of(r.c_v, r.a_v, r.b_v, r.base_v, r, o);
+  out = o;
+  return detail::bends_enough(o, reach);
+}
+
+namespace detail {
+
+// 1/(1 + e) = 1 - q, four terms; e and q 2^-17, |e| <= 1/8: off by less than 2^-14.8.
+constexpr int32_t series_of(int32_t e) {
+  int32_t q = e;
+  for (int n = 0; n < 3; ++n) q = e - (e * q >> 17);
+  return q;
+}
+
+struct row_terms { int32_t q, q2, g; };  // 1 - 1/w, 2^-17; 1 - 1/w^2, 2^-16; g / w
+
+constexpr row_axis row_of(const block_axis& x, int32_t hy, const row_terms& t, int k) {
+  const int32_t reach = reach_of(k), n = x.c + x.b * hy, slope = x.slope + x.twist * hy;
+  const int32_t middle = n - ((n >> 6) * t.q >> 11);                                   // 2^-16
+  const int32_t d = slope - ((slope >> 8) * t.q2 >> 8);                                // 2^-(17 + k)
+  if (t.g == 0) {
+    const int32_t half = d >> (k + 1);
+    return {middle - reach * half, 2 * half, 0};
+  }
+  const int32_t bend = shift_right(-((d >> 8) * t.g), 6 + 2 * k), half = d >> (k + 1);
+  return {middle - reach * half + (reach * reach * bend >> 3), 2 * half - (reach >> 1) * bend, bend};
+}
+
+}  // namespace detail
+
+// Row j of a block.
+constexpr row row_at(const block& b, int j) {
+  if (b.k == 0) return {{b.u.c, 0, 0}, {b.v.c, 0, 0}};
+  const int32_t hy = 2 * j - reach_of(b.k), q = detail::series_of(b.h * hy >> (b.k - 1));
+  const detail::row_terms t{q, q - (q * q >> 18), b.g - (b.g * q >> 17)};
+  return {detail::row_of(b.u, hy, t, b.k), detail::row_of(b.v, hy, t, b.k)};
+}
+
+// Level of detail along row j, s.16: linear in the block. 2/ln 2 = 23637/8192.
+struct level_row { int32_t start, step; };
+constexpr level_row level_row_at(const block& b, int j) {
+  const auto per_half_pixel = [&](int32_t slope) { return -(slope * 23637 >> (13 + b.k)); };
+  const int32_t x = per_half_pixel(b.g), hy = 2 * j - reach_of(b.k);
+  return {b.level + per_half_pixel(b.h) * hy - x * reach_of(b.k), 2 * x};
+}
+
+// Position of pixel i of a row: what every kernel's additions amount to.
+constexpr int32_t position_at(const row_axis& x, int i) { return x.start + i * x.step + i * (i - 1) / 2 * x.bend; }
+constexpr row_axis from_pixel(const row_axis& x, int i) { return {position_at(x, i), x.step + i * x.bend, x.bend}; }
+
+}  // namespace spantex::rows

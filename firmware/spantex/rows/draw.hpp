@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: Apache-2.0
+// Drawing by rows: planes and polygons from an RGB565 map in directly addressed memory to rows of RGB565. For cores without an engine beside them:
+// nothing is copied, coordinates are those of block.hpp (docs/SPEC.md "Rows"). The engine's profiles (draw.hpp) are more exact and know more.
+//
+//   target    where rows go: `texel565* row(x, y, count)` gives memory for that many pixels, `void done(x, y, count)` ends them. Rows arrive block by
+//             block; frame565 is a frame buffer, targets.hpp has others.
+//   filter    nearest, three_point, bilinear: level 0; mip_bilinear, trilinear: maps whose sides halve exactly.
+#pragma once
+#include <stdint.h>
+
+#include <spantex/coverage.hpp>
+#include <spantex/plane.hpp>
+#include <spantex/polygon.hpp>
+#include <spantex/rows/block.hpp>
+#include <spantex/rows/run.hpp>
+#include <spantex/status.hpp>
+#include <spantex/texture.hpp>
+
+namespace spantex::rows {
+
+// A frame buffer of RGB565, rows of `stride` pixels, caller's memory.
+struct frame565 {
+  texel565* pixels;
+  int32_t width, height, stride;
+
+  texel565* row(int32_t x, int32_t y, int32_t) const { return pixels + (y * stride + x); }
+  void done(int32_t, int32_t, int32_t) const {}
+};
+
+constexpr bool is_supported(filter kind) {
+  return kind == filter::nearest || kind == filter::three_point || kind == filter::bilinear || kind == filter::mip_bilinear || kind == filter::trilinear;
+}
+
+namespace detail {
+
+inline constexpr int largest_side = 1 << largest_block_log2;
+
+// Pixels of a block's rows, bit i for column i.
+struct block_mask { uint32_t rows[largest_side]; };
+
+constexpr uint32_t columns(int32_t from, int32_t to) { return (to >= 32 ? 0xFFFFFFFFu : (1u << to) - 1) & ~((1u << from) - 1); }
+
+// Place of block `index` in Morton order within its 32 x 32 pixels.
+constexpr int32_t every_second_bit(uint32_t x) {
+  int32_t y = 0;
+  for (int k = 0; k < largest_block_log2; ++k) y |= int32_t(x >> 2 * k & 1) << k;
+  return y;
+}
+
+// Rectangles: the same columns in every row.
+struct rectangle_cover {
+  rectangle area;
+  constexpr bool prepare(int32_t, int32_t, int) { return true; }
+  constexpr uint32_t row(int) const { return 0xFFFFFFFFu; }
+};
+
+// Polygons: the masks of the spans that a block consists of, or lies in.
+struct polygon_cover {
+  const edge_set* edges;
+  uint32_t rows[largest_side];
+
+  constexpr bool prepare(int32_t x0, int32_t y0, int k) {
+    const int side = 1 << k, spans = k <= 3 ? 1 : side / span_side;
+    uint32_t any = 0;
+    for (int j = 0; j < side; ++j) rows[j] = 0;
+    for (int sy = 0; sy < spans; ++sy)
+      for (int sx = 0; sx < spans; ++sx) {
+        const span_mask mask = coverage(*edges, x0 / span_side + sx, y0 / span_side + sy);
+        const int first = k <= 3 ? y0 % span_side : 0, left = k <= 3 ? x0 % span_side : 0, count = k <= 3 ? side : span_side;
+        for (int j = 0; j < count; ++j) {
+          const uint32_t bits = uint32_t(mask >> (span_side * (first + j)) & 0xFF) >> left & columns(0, count);
+          rows[sy * span_side + j] |= bits << (sx * span_side);
+          any |= bits;
+        }
+      }
+    return any != 0;
+  }
+  constexpr uint32_t row(int j) const { return rows[j]; }
+};
+
+}  // namespace detail
+
+// One surface being drawn.
+template <filter Kind, class Target, class Cover>
+class painter {
+ public:
+  constexpr painter(const plane& p, const texture_view& t, const Target& target, rectangle area, const Cover& cover)
+      : plane_(p), map_(t), target_(target), area_(area), cover_(cover) {}
+
+  void draw() {
+    constexpr int side = detail::largest_side;
+    for (int32_t y = area_.y0 & -side; y < area_.y1; y += side)
+      for (int32_t x = area_.x0 & -side; x < area_.x1; x += side) draw_square(x, y);
+  }
+
+ private:
+  // The largest aligned blocks that can be drawn, in Morton order.
+  void draw_square(int32_t x, int32_t y) {
+    constexpr int count = detail::largest_side * detail::largest_side;
+    int k = largest_block_log2;
+    for (int index = 0; index < count;) {
+      const int32_t x0 = x + detail::every_second_bit(uint32_t(index)), y0 = y + detail::every_second_bit(uint32_t(index) >> 1);
+      if (!draw_block(x0, y0, k) && k > 0) { --k; continue; }
+      index += 1 << 2 * k;
+      while (k < largest_block_log2 && (index & ((4 << 2 * k) - 1)) == 0) ++k;
+    }
+  }
+
+  // False if it must be cut.
+  bool draw_block(int32_t x0, int32_t y0, int k) {
+    const int32_t side = 1 << k;
+    const int32_t left = max_of(area_.x0 - x0, 0), right = min_of(area_.x1 - x0, side);
+    const int32_t top = max_of(area_.y0 - y0, 0), bottom = min_of(area_.y1 - y0, side);
+    if (left >= right || top >= bottom || !cover_.prepare(x0, y0, k)) return true;
+    block b;
+    if (!block_at(plane_, x0 >> k, y0 >> k, k, {uses_levels(Kind) ? map_.last_level() : -1, 0}, b)) return false;
+    const uint32_t wanted = detail::columns(left, right);
+    for (int32_t j = top; j < bottom; ++j) {
+      const uint32_t mask = cover_.row(j) & wanted;
+      if (mask == 0) continue;
+      const int first = __builtin_ctz(mask), count = 32 - __builtin_clz(mask) - first;
+      texel565* const out = target_.row(x0 + first, y0 + j, count);
+      level_row level{};
+      if constexpr (uses_levels(Kind)) level = level_row_at(b, j);
+      draw_run<Kind>(out, first, count, map_, b, row_at(b, j), level);
+      target_.done(x0 + first, y0 + j, count);
+    }
+    return true;
+  }
+
+  const plane& plane_;
+  const texture_view& map_;
+  const Target& target_;
+  rectangle area_;
+  Cover cover_;
+};
+
+// What a map must be. Errors: out_of_range (its format, a filter that rows do not have), bad_levels (sides that do not halve exactly).
+constexpr status check(const texture_view& t, filter kind) {
+  if (t.format() != texel_format::rgb565 || !is_supported(kind)) return status::out_of_range;
+  if (!uses_levels(kind)) return status::ok;
+  for (int level = 0; level < t.last_level(); ++level)
+    if (t.width(level) != 2 * t.width(level + 1) || t.height(level) != 2 * t.height(level + 1)) return status::bad_levels;
+  return status::ok;
+}
+
+// The part of a plane in front of the viewer inside `area`, which is cut to the target's `width` and `height`. Errors: those of check().
+template <filter Kind, class Target>
+status draw(const Target& target, const plane& p, const texture_view& t, rectangle area) {
+  SPANTEX_TRY(check(t, Kind));
+  area = intersection(area, {0, 0, target.width, target.height});
+  if (area.empty()) return status::ok;
+  painter<Kind, Target, detail::rectangle_cover>(p, t, target, area, {area}).draw();
+  return status::ok;
+}
+
+// A polygon. Errors: those of check().
+template <filter Kind, class Target>
+status draw(const Target& target, const polygon& p, const texture_view& t) {
+  SPANTEX_TRY(check(t, Kind));
+  const rectangle area = intersection(p.box, {0, 0, target.width, target.height});
+  if (area.empty()) return status::ok;
+  painter<Kind, Target, detail::polygon_cover>(p.map, t, target, area, {&p.edges, {}}).draw();
+  return status::ok;
+}
+
+// The same with the filter chosen at run time: all of them are linked.
+template <class Target, class... What>
+status draw_any(filter kind, const Target& target, const What&... what) {
+  switch (kind) {
+    case filter::nearest: return draw<filter::nearest>(target, what...);
+    case filter::three_point: return draw<filter::three_point>(target, what...);
+    case filter::bilinear: return draw<filter::bilinear>(target, what...);
+    case filter::mip_bilinear: return draw<filter::mip_bilinear>(target, what...);
+    case filter::trilinear: return draw<filter::trilinear>(target, what...);
+    default: return status::out_of_range;
+  }
+}
+
+}  // namespace spantex::rows

@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: Apache-2.0
+// Runs: a row of a block, cut where its texels leave the level (a map repeats, or ends) or its level of detail passes a whole number, and given to the
+// kernels. A pixel whose texels lie on both sides of a border is read texel by texel.
+#pragma once
+#include <stdint.h>
+
+#include <spantex/rows/block.hpp>
+#include <spantex/rows/kernels.hpp>
+#include <spantex/rows/sample.hpp>
+#include <spantex/span.hpp>
+#include <spantex/texture.hpp>
+
+namespace spantex::rows {
+
+// One level of an RGB565 map as kernels see it.
+struct level_view {
+  const texel565* texels;
+  int32_t width, height;
+  wrap wrap_u, wrap_v;
+};
+
+constexpr level_view level_of(const texture_view& t, int level) {
+  return {t.numbers(level), t.width(level), t.height(level), t.wrap_u(), t.wrap_v()};
+}
+
+// Positions along a run on one level: whole texels, and a walk relative to them.
+struct level_walk {
+  int32_t base_u, base_v;
+  walk at;
+};
+
+namespace detail {
+
+// One coordinate in texels of level L, 2^-16: the row's numbers scaled once, to nearest. The base is even, so that the next level's is half of it.
+constexpr row_axis scaled(const row_axis& x, int32_t base, int level, int unit_log2, int32_t offset) {
+  const int32_t rest = base & ((2 << level) - 1);
+  const int down = level - unit_log2;
+  const int32_t start = scale_down(x.start + (rest << (16 - unit_log2)), down, rounding::floor) + offset;
+  return {start, scale_down(x.step, down), scale_down(x.bend, down)};
+}
+
+constexpr level_walk walk_of(const row& r, const block& b, int level, int32_t offset) {
+  const row_axis u = scaled(r.u, b.u.base, level, b.unit_log2, offset), v = scaled(r.v, b.v.base, level, b.unit_log2, offset);
+  return {(b.u.base >> (level + 1)) * 2, (b.v.base >> (level + 1)) * 2, {u.start, v.start, u.step, v.step, u.bend, v.bend}};
+}
+
+SPANTEX_WRAPS constexpr walk advanced(const walk& w, int i) {
+  const int32_t pairs = i * (i - 1) / 2;
+  return {w.u + i * w.du + pairs * w.ddu, w.v + i * w.dv + pairs * w.ddv, w.du + i * w.ddu, w.dv + i * w.ddv, w.ddu, w.ddv};
+}
+
+// The same run on the coarser level: a bound is enough, its positions follow from the finer one's.
+constexpr int32_t coarser(int32_t fine) { return (fine + snap) >> 1; }
+
+struct interval { int32_t low, high; };
+
+// Positions along `count` pixels. A parabola that turns within the run passes its ends by at most bend n^2 / 8.
+constexpr interval reach_along(int32_t start, int32_t step, int32_t bend, int count) {
+  const int n = count - 1;
+  const int32_t end = start + n * step + n * (n - 1) / 2 * bend, last_step = step + n * bend;
+  const int32_t more = (step ^ last_step) < 0 ? int32_t(magnitude(bend)) * n * n / 8 + 1 : 0;
+  return {(start < end ? start : end) - more, (start < end ? end : start) + more};
+}
+
+// Where the level's texel 0 lies in positions relative to the base, if all texels of an interval lie in one copy of the map.
+constexpr bool origin_of(interval x, int32_t base, int32_t size, wrap mode, int neighbour, int32_t& origin) {
+  const int32_t low = base + (x.low >> 16), high = base + (x.high >> 16) + neighbour;
+  int32_t first = low;
+  if (uint32_t(low) >= uint32_t(size)) {
+    if (mode != wrap::repeat) return false;
+    first = wrapped(mode, low, size);
+  }
+  if (first + (high - low) >= size) return false;
+  origin = first - (x.low >> 16);
+  return true;
+}
+
+// A pointer for the kernel, if the run's texels all lie in the level.
+inline bool source_of(const level_view& t, interval u, interval v, int32_t base_u, int32_t base_v, int neighbour, source& out) {
+  int32_t x = 0, y = 0;
+  if (!origin_of(u, base_u, t.width, t.wrap_u, neighbour, x) || !origin_of(v, base_v, t.height, t.wrap_v, neighbour, y)) return false;
+  out = {t.texels + (y * t.width + x), 2 * t.width};
+  return true;
+}
+
+inline uint32_t wrapped_texel(const level_view& t, int32_t x, int32_t y) {
+  return t.texels[wrapped(t.wrap_v, y, t.height) * t.width + wrapped(t.wrap_u, x, t.width)];
+}
+inline texels wrapped_texels(const level_view& t, int32_t x, int32_t y) {
+  return {wrapped_texel(t, x, y), wrapped_texel(t, x + 1, y), wrapped_texel(t, x, y + 1), wrapped_texel(t, x + 1, y + 1)};
+}
+
+}  // namespace detail
+
+// Filters of one level.
+template <filter Kind>
+inline uint16_t pixel_of(const level_view& t, const level_walk& w) {
+  const int32_t x = w.base_u + texel_of(w.at.u), y = w.base_v + texel_of(w.at.v);
+  if constexpr (Kind == filter::nearest) return uint16_t(detail::wrapped_texel(t, x, y));
+  const texels four = detail::wrapped_texels(t, x, y);
+  const uint32_t fu = weight_of(w.at.u), fv = weight_of(w.at.v);
+  if constexpr (Kind == filter::three_point) return rounded(three_point(four, fu, fv), weight_bits);
+  return rounded(four_point(four, fu, fv), 2 * weight_bits);
+}
+
+template <filter Kind>
+[[gnu::noinline]] inline void draw_level(uint16_t* out, int count, const level_view& t, level_walk w) {
+  constexpr int neighbour = Kind == filter::nearest ? 0 : 1;
+  while (count > 0) {
+    int n = count;
+    source s{};
+    while (!detail::source_of(t, detail::reach_along(w.at.u, w.at.du, w.at.ddu, n), detail::reach_along(w.at.v, w.at.dv, w.at.ddv, n), w.base_u, w.base_v,
+                              neighbour, s)) {
+      if (n == 1) { n = 0; break; }
+      n = (n + 1) / 2;
+    }
+    if (n == 0) {
+      *out = pixel_of<Kind>(t, w);
+      n = 1;
+    } else if constexpr (Kind == filter::nearest) {
+      nearest_run(out, n, w.at, s, 0xFFFFFFFFu);
+    } else if constexpr (Kind == filter::three_point) {
+      three_point_run(out, n, w.at, s);
+    } else {
+      bilinear_run(out, n, w.at, s);
+    }
+    out += n;
+    count -= n;
+    if (count > 0) w.at = detail::advanced(w.at, n);
+  }
+}
+
+// Nearest texels of a map that repeats in powers of two: masks wrap, no run is cut.
+inline bool wraps_by_mask(const level_view& t) {
+  return t.wrap_u == wrap::repeat && t.wrap_v == wrap::repeat && (t.width & (t.width - 1)) == 0 && (t.height & (t.height - 1)) == 0;
+}
+SPANTEX_WRAPS inline void draw_masked(uint16_t* out, int count, const level_view& t, level_walk w) {
+  w.at.u = int32_t(uint32_t(w.at.u) + (uint32_t(w.base_u) << 16));
+  w.at.v = int32_t(uint32_t(w.at.v) + (uint32_t(w.base_v) << 16));
+  nearest_run(out, count, w.at, {t.texels, 2 * t.width}, uint32_t(t.height - 1) << 16 | uint32_t(t.width - 1));
+}
+
+inline uint16_t pixel_between(const level_view& fine, const level_view& coarse, const level_walk& w, int32_t level) {
+  const int32_t u = detail::coarser(w.at.u), v = detail::coarser(w.at.v);
+  const uint32_t f = uint32_t(level) >> (16 - blend_bits) & ((1u << blend_bits) - 1);
+  const sums a = four_point(detail::wrapped_texels(fine, w.base_u + texel_of(w.at.u), w.base_v + texel_of(w.at.v)), weight_of(w.at.u), weight_of(w.at.v));
+  const sums b = four_point(detail::wrapped_texels(coarse, (w.base_u >> 1) + texel_of(u), (w.base_v >> 1) + texel_of(v)), weight_of(u), weight_of(v));
+  return rounded(between_levels(a, b, f), 2 * weight_bits + blend_bits);
+}
+
+[[gnu::noinline]] inline void draw_between(uint16_t* out, int count, const level_view& fine, const level_view& coarse, level_walk w, level_row level) {
+  while (count > 0) {
+    int n = count;
+    source near{}, far{};
+    for (;;) {
+      const detail::interval u = detail::reach_along(w.at.u, w.at.du, w.at.ddu, n), v = detail::reach_along(w.at.v, w.at.dv, w.at.ddv, n);
+      const detail::interval cu{detail::coarser(u.low), detail::coarser(u.high)}, cv{detail::coarser(v.low), detail::coarser(v.high)};
+      if (detail::source_of(fine, u, v, w.base_u, w.base_v, 1, near) && detail::source_of(coarse, cu, cv, w.base_u >> 1, w.base_v >> 1, 1, far)) break;
+      if (n == 1) { n = 0; break; }
+      n = (n + 1) / 2;
+    }
+    if (n == 0) {
+      *out = pixel_between(fine, coarse, w, level.start);
+      n = 1;
+    } else {
+      trilinear_run(out, n, w.at, near, far, level.start, level.step);
+    }
+    out += n;
+    count -= n;
+    if (count > 0) {
+      w.at = detail::advanced(w.at, n);
+      level.start += n * level.step;
+    }
+  }
+}
+
+// A run of pixels of one row of a block, from its pixel `first`.
+template <filter Kind>
+inline void draw_run(uint16_t* out, int first, int count, const texture_view& t, const block& b, const row& whole, level_row level) {
+  const row r = first == 0 ? whole : row{from_pixel(whole.u, first), from_pixel(whole.v, first)};
+  if constexpr (!uses_levels(Kind)) {
+    const level_view map = level_of(t, 0);
+    const level_walk w = detail::walk_of(r, b, 0, Kind == filter::nearest ? 0 : snap);
+    if (Kind == filter::nearest && wraps_by_mask(map)) draw_masked(out, count, map, w);
+    else draw_level<Kind>(out, count, map, w);
+  } else {
+    // To nearest at the fraction's bits, or to the nearest level.
+    level.start += first * level.step + (Kind == filter::mip_bilinear ? (1 << 15) - 1 : 1 << (15 - blend_bits));
+    const auto whole_level = [&](int i) { return clamp_to((level.start + i * level.step) >> 16, -1, t.last_level()); };
+    for (int done = 0; done < count;) {
+      int n = count - done;
+      const int at = whole_level(done);
+      while (whole_level(done + n - 1) != at) n = (n + 1) / 2;
+      const int fine = max_of(at, 0);
+      level_walk w = detail::walk_of(r, b, fine, snap);
+      if (done > 0) w.at = detail::advanced(w.at, done);
+      if (Kind == filter::mip_bilinear || at < 0 || at == t.last_level()) draw_level<filter::bilinear>(out + done, n, level_of(t, fine), w);
+      else draw_between(out + done, n, level_of(t, fine), level_of(t, fine + 1), w, {level.start + done * level.step, level.step});
+      done += n;
+    }
+  }
+}
+
+}  // namespace spantex::rows
