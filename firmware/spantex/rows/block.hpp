@@ -23,7 +23,7 @@ inline constexpr int row_tolerance_bits = 6;
 struct block_axis {
   int32_t base;   // whole texels of level 0
   int32_t c;      // 2^-16 unit; a unit is 2^unit_log2 texels
-  int32_t b;      // 2^-16
+  int32_t b;      // 2^-(17 + k)
   int32_t slope;  // a - c g: w^2 du/dhx in the middle row; 2^-(17 + k)
   int32_t twist;  // a h - b g: what it gains per hy; 2^-(17 + k)
 };
@@ -41,15 +41,15 @@ struct row { row_axis u, v; };
 
 // Half pixels from the centre to the outermost pixel centres.
 constexpr int32_t reach_of(int k) { return (1 << k) - 1; }
-constexpr int slope_bits(int k) { return 9 + k; }  // of a and b as 16-bit numbers; 8 more in block_axis
+constexpr int slope_bits(int k) { return 17 + k; }  // of a, b; 9 less as 16-bit factors
 
 namespace detail {
 
-// Whether a block's numbers have their 16 bits: |e| <= 1/8, reach below 24 units.
+// Whether a block's numbers have their 16 bits: |e| <= 1/8, reach below 48 units.
 constexpr bool fits(const reference& r, int32_t reach, int unit_log2) {
   if (!r.u_in_range || !r.v_in_range) return false;
   if (uint64_t(reach) * (magnitude(r.g) + magnitude(r.h)) > uint64_t(r.w) / 8) return false;
-  const uint64_t most = uint64_t(r.w) * (uint64_t(24) << unit_log2);
+  const uint64_t most = uint64_t(r.w) * (uint64_t(48) << unit_log2);
   return magnitude(r.c_u) + uint64_t(reach) * (magnitude(r.a_u) + magnitude(r.b_u)) < most &&
          magnitude(r.c_v) + uint64_t(reach) * (magnitude(r.a_v) + magnitude(r.b_v)) < most;
 }
@@ -60,8 +60,8 @@ constexpr int32_t quotient_of(int64_t n, const reference& r, int scale) {
 
 constexpr block_axis axis_of(int64_t c, int64_t a, int64_t b, int32_t base, const reference& r, const block& o) {
   const int bits = slope_bits(o.k) - o.unit_log2;
-  const int32_t a16 = quotient_of(a, r, bits), b16 = quotient_of(b, r, bits), c16 = quotient_of(c, r, 16 - o.unit_log2);
-  return {base, c16, b16 * (1 << (16 - slope_bits(o.k))), a16 * 256 - ((c16 >> 6) * o.g >> 9), (a16 * o.h - b16 * o.g) >> (8 + o.k)};
+  const int32_t qa = quotient_of(a, r, bits), qb = quotient_of(b, r, bits), qc = quotient_of(c, r, 16 - o.unit_log2);
+  return {base, qc, qb, qa - ((qc >> 6) * o.g >> 9), ((qa >> 9) * o.h - (qb >> 9) * o.g) >> (7 + o.k)};
 }
 
 // The term of third degree that a row leaves out: at most a X (g X)^2 texels, X the reach.
@@ -70,8 +70,8 @@ constexpr bool bends_enough(const block& o, int32_t reach) {
   const int32_t e = size(o.g) * reach >> (o.k + 1);                                    // 2^-15
   const int32_t square = e * e >> 15;
   const int32_t steeper = size(o.u.slope) > size(o.v.slope) ? size(o.u.slope) : size(o.v.slope);
-  const int32_t extent = ((steeper >> 8) * reach) >> (o.k - 1);                        // 2^-10
-  return extent * square <= 1 << (25 - row_tolerance_bits);
+  const int32_t extent = (steeper >> 9) * reach >> (o.k - 1);                          // 2^-9
+  return extent * square <= 1 << (24 - row_tolerance_bits);
 }
 
 // Level of detail: KT88's formula about the pixel interval, log2 K - 2 log2 W - 1, with an extra bias in 1/16 level.
@@ -125,14 +125,12 @@ constexpr int32_t series_of(int32_t e) {
 struct row_terms { int32_t q, q2, g; };  // 1 - 1/w, 2^-17; 1 - 1/w^2, 2^-16; g / w
 
 constexpr row_axis row_of(const block_axis& x, int32_t hy, const row_terms& t, int k) {
-  const int32_t reach = reach_of(k), n = x.c + x.b * hy, slope = x.slope + x.twist * hy;
-  const int32_t middle = n - ((n >> 6) * t.q >> 11);                                   // 2^-16
-  const int32_t d = slope - ((slope >> 8) * t.q2 >> 8);                                // 2^-(17 + k)
-  if (t.g == 0) {
-    const int32_t half = d >> (k + 1);
-    return {middle - reach * half, 2 * half, 0};
-  }
-  const int32_t bend = shift_right(-((d >> 8) * t.g), 6 + 2 * k), half = d >> (k + 1);
+  const int32_t reach = reach_of(k), n = x.c + (x.b * hy >> (k + 1)), slope = x.slope + x.twist * hy;
+  const int32_t middle = n - ((n >> 7) * t.q >> 10);                                   // 2^-16
+  const int32_t d = slope - ((slope >> 9) * t.q2 >> 7);                                // 2^-(17 + k)
+  const int32_t half = d >> (k + 1);
+  if (t.g == 0) return {middle - reach * half, 2 * half, 0};
+  const int32_t bend = shift_right(-((d >> 9) * t.g), 5 + 2 * k);
   return {middle - reach * half + (reach * reach * bend >> 3), 2 * half - (reach >> 1) * bend, bend};
 }
 
