@@ -35,9 +35,7 @@ namespace detail {
 
 inline constexpr int largest_side = 1 << largest_block_log2;
 
-// Pixels of a block's rows, bit i for column i.
-struct block_mask { uint32_t rows[largest_side]; };
-
+// Columns [from, to) of a row, bit i for column i.
 constexpr uint32_t columns(int32_t from, int32_t to) { return (to >= 32 ? 0xFFFFFFFFu : (1u << to) - 1) & ~((1u << from) - 1); }
 
 // Place of block `index` in Morton order within its 32 x 32 pixels.
@@ -49,13 +47,14 @@ constexpr int32_t every_second_bit(uint32_t x) {
 
 // Rectangles: the same columns in every row.
 struct rectangle_cover {
-  rectangle area;
+  static constexpr bool whole_rows = true;
   constexpr bool prepare(int32_t, int32_t, int) { return true; }
   constexpr uint32_t row(int) const { return 0xFFFFFFFFu; }
 };
 
 // Polygons: the masks of the spans that a block consists of, or lies in.
 struct polygon_cover {
+  static constexpr bool whole_rows = false;
   const edge_set* edges;
   uint32_t rows[largest_side];
 
@@ -85,7 +84,12 @@ template <filter Kind, class Target, class Cover>
 class painter {
  public:
   constexpr painter(const plane& p, const texture_view& t, const Target& target, rectangle area, const Cover& cover)
-      : plane_(p), map_(t), target_(target), area_(area), cover_(cover) {}
+      : plane_(p), map_(t), target_(target), area_(area), cover_(cover) {
+    const level_view map = level_of(t, 0);
+    masked_ = wraps_by_mask(map);
+    source_ = {map.texels, 2 * map.width};
+    masks_ = uint32_t(map.height - 1) << 16 | uint32_t(map.width - 1);
+  }
 
   void draw() {
     constexpr int side = detail::largest_side;
@@ -114,18 +118,82 @@ class painter {
     if (left >= right || top >= bottom || !cover_.prepare(x0, y0, k)) return true;
     block b;
     if (!block_at(plane_, x0 >> k, y0 >> k, k, {uses_levels(Kind) ? map_.last_level() : -1, 0}, b)) return false;
-    const uint32_t wanted = detail::columns(left, right);
-    for (int32_t j = top; j < bottom; ++j) {
-      const uint32_t mask = cover_.row(j) & wanted;
-      if (mask == 0) continue;
-      const int first = __builtin_ctz(mask), count = 32 - __builtin_clz(mask) - first;
-      texel565* const out = target_.row(x0 + first, y0 + j, count);
-      level_row level{};
-      if constexpr (uses_levels(Kind)) level = level_row_at(b, j);
-      draw_run<Kind>(out, first, count, map_, b, row_at(b, j), level);
-      target_.done(x0 + first, y0 + j, count);
+    const block_part part{x0, y0, int8_t(left), int8_t(right), int8_t(top), int8_t(bottom)};
+    if constexpr (Kind == filter::nearest) {
+      if (masked_) { each_row(b, part, [&](texel565* out, int first, int count, int j) { masked_row(out, first, count, b, j); }); return true; }
     }
+    if constexpr (uses_levels(Kind)) draw_with_levels(b, part);
+    else draw_with_level(b, part, 0, Kind == filter::nearest ? 0 : snap);
     return true;
+  }
+
+  struct block_part { int32_t x0, y0; int8_t left, right, top, bottom; };
+
+  template <class Row>
+  [[gnu::always_inline]] void each_row(const block&, const block_part& part, const Row& draw_row) {
+    const uint32_t wanted = detail::columns(part.left, part.right);
+    for (int32_t j = part.top; j < part.bottom; ++j) {
+      int first = part.left, count = part.right - part.left;
+      if constexpr (!Cover::whole_rows) {
+        const uint32_t mask = cover_.row(j) & wanted;
+        if (mask == 0) continue;
+        first = __builtin_ctz(mask);
+        count = 32 - __builtin_clz(mask) - first;
+      }
+      draw_row(target_.row(part.x0 + first, part.y0 + j, count), first, count, j);
+      target_.done(part.x0 + first, part.y0 + j, count);
+    }
+  }
+
+  // The whole map repeats in powers of two: masks wrap.
+  SPANTEX_WRAPS [[gnu::always_inline]] void masked_row(texel565* out, int first, int count, const block& b, int j) {
+    const row r = row_from(b, j, first);
+    nearest_run(out, count,
+                {int32_t(uint32_t(r.u.start) + (uint32_t(b.u.base) << 16)), int32_t(uint32_t(r.v.start) + (uint32_t(b.v.base) << 16)), r.u.step,
+                 r.v.step, r.u.bend, r.v.bend}, source_, masks_);
+  }
+
+  static row row_from(const block& b, int j, int first) {
+    const row r = row_at(b, j);
+    return first == 0 ? r : row{from_pixel(r.u, first), from_pixel(r.v, first)};
+  }
+
+  // All pixels on one level.
+  [[gnu::noinline]] void draw_with_level(const block& b, const block_part& part, int level, int32_t offset) {
+    constexpr filter kind = uses_levels(Kind) ? filter::bilinear : Kind;
+    const level_view t = level_of(map_, level);
+    source s{};
+    const bool inside = detail::source_of_block(b, t, level, offset, kind == filter::nearest ? 0 : 1, s);
+    each_row(b, part, [&](texel565* out, int first, int count, int j) {
+      const level_walk w = detail::walk_of(row_from(b, j, first), b, level, offset);
+      if (inside) run<kind>(out, count, w.at, s);
+      else draw_level<kind>(out, count, t, w);
+    });
+  }
+
+  // All pixels between two levels.
+  [[gnu::noinline]] void draw_with_two(const block& b, const block_part& part, int level) {
+    const level_view t = level_of(map_, level), next = level_of(map_, level + 1);
+    source near{}, far{};
+    const bool inside = detail::source_of_block(b, t, level, snap, 1, near) && detail::source_of_coarser(b, next, level, far);
+    each_row(b, part, [&](texel565* out, int first, int count, int j) {
+      const level_walk w = detail::walk_of(row_from(b, j, first), b, level, snap);
+      level_row d = level_row_at(b, j);
+      d.start += first * d.step + detail::level_rounding(Kind);
+      if (inside) trilinear_run(out, count, w.at, near, far, d.start, d.step);
+      else draw_between(out, count, t, next, w, d);
+    });
+  }
+
+  void draw_with_levels(const block& b, const block_part& part) {
+    const detail::interval levels = detail::levels_of(b, detail::level_rounding(Kind), map_.last_level());
+    if (levels.low == levels.high) {
+      const int fine = max_of(levels.low, 0);
+      if (Kind == filter::mip_bilinear || levels.low < 0 || fine == map_.last_level()) draw_with_level(b, part, fine, snap);
+      else draw_with_two(b, part, fine);
+      return;
+    }
+    each_row(b, part, [&](texel565* out, int first, int count, int j) { draw_run<Kind>(out, first, count, map_, b, row_at(b, j), level_row_at(b, j)); });
   }
 
   const plane& plane_;
@@ -133,6 +201,9 @@ class painter {
   const Target& target_;
   rectangle area_;
   Cover cover_;
+  bool masked_ = false;
+  source source_{};
+  uint32_t masks_ = 0;
 };
 
 // What a map must be. Errors: out_of_range (its format, a filter that rows do not have), bad_levels (sides that do not halve exactly).
@@ -150,7 +221,7 @@ status draw(const Target& target, const plane& p, const texture_view& t, rectang
   SPANTEX_TRY(check(t, Kind));
   area = intersection(area, {0, 0, target.width, target.height});
   if (area.empty()) return status::ok;
-  painter<Kind, Target, detail::rectangle_cover>(p, t, target, area, {area}).draw();
+  painter<Kind, Target, detail::rectangle_cover>(p, t, target, area, {}).draw();
   return status::ok;
 }
 

@@ -103,6 +103,14 @@ inline uint16_t pixel_of(const level_view& t, const level_walk& w) {
   return rounded(four_point(four, fu, fv), 2 * weight_bits);
 }
 
+// The kernel of a filter of one level.
+template <filter Kind>
+inline void run(uint16_t* out, int count, const walk& at, const source& s) {
+  if constexpr (Kind == filter::nearest) nearest_run(out, count, at, s, 0xFFFFFFFFu);
+  else if constexpr (Kind == filter::three_point) three_point_run(out, count, at, s);
+  else bilinear_run(out, count, at, s);
+}
+
 template <filter Kind>
 [[gnu::noinline]] inline void draw_level(uint16_t* out, int count, const level_view& t, level_walk w) {
   constexpr int neighbour = Kind == filter::nearest ? 0 : 1;
@@ -117,12 +125,8 @@ template <filter Kind>
     if (n == 0) {
       *out = pixel_of<Kind>(t, w);
       n = 1;
-    } else if constexpr (Kind == filter::nearest) {
-      nearest_run(out, n, w.at, s, 0xFFFFFFFFu);
-    } else if constexpr (Kind == filter::three_point) {
-      three_point_run(out, n, w.at, s);
     } else {
-      bilinear_run(out, n, w.at, s);
+      run<Kind>(out, n, w.at, s);
     }
     out += n;
     count -= n;
@@ -130,14 +134,9 @@ template <filter Kind>
   }
 }
 
-// Nearest texels of a map that repeats in powers of two: masks wrap, no run is cut.
-inline bool wraps_by_mask(const level_view& t) {
+// A map that repeats in powers of two: whole positions wrap by masks.
+constexpr bool wraps_by_mask(const level_view& t) {
   return t.wrap_u == wrap::repeat && t.wrap_v == wrap::repeat && (t.width & (t.width - 1)) == 0 && (t.height & (t.height - 1)) == 0;
-}
-SPANTEX_WRAPS inline void draw_masked(uint16_t* out, int count, const level_view& t, level_walk w) {
-  w.at.u = int32_t(uint32_t(w.at.u) + (uint32_t(w.base_u) << 16));
-  w.at.v = int32_t(uint32_t(w.at.v) + (uint32_t(w.base_v) << 16));
-  nearest_run(out, count, w.at, {t.texels, 2 * t.width}, uint32_t(t.height - 1) << 16 | uint32_t(t.width - 1));
 }
 
 inline uint16_t pixel_between(const level_view& fine, const level_view& coarse, const level_walk& w, int32_t level) {
@@ -174,30 +173,66 @@ inline uint16_t pixel_between(const level_view& fine, const level_view& coarse, 
   }
 }
 
-// A run of pixels of one row of a block, from its pixel `first`.
+namespace detail {
+
+// What is added to a level of detail so that its whole part is the level: to nearest at the fraction's bits, or the nearest level.
+constexpr int32_t level_rounding(filter kind) { return kind == filter::mip_bilinear ? (1 << 15) - 1 : 1 << (15 - blend_bits); }
+
+// Whole levels of a block's pixels, -1 where the map is magnified: linear, so extremes are at corners.
+constexpr interval levels_of(const block& b, int32_t rounding, int last_level) {
+  const int last = (1 << b.k) - 1;
+  const level_row top = level_row_at(b, 0), bottom = level_row_at(b, last);
+  const int32_t corners[] = {top.start, top.start + last * top.step, bottom.start, bottom.start + last * bottom.step};
+  interval x{corners[0], corners[0]};
+  for (int32_t c : corners) x = {c < x.low ? c : x.low, c > x.high ? c : x.high};
+  const auto whole = [&](int32_t level) { return clamp_to((level + rounding) >> 16, -1, last_level); };
+  return {whole(x.low), whole(x.high)};
+}
+
+// Positions of all pixels of a block on a level: the hull of its corners, and an eighth of a unit for what rows leave out.
+struct box { interval u, v; };
+constexpr interval hull(const row_axis& top, const row_axis& bottom, int last, int32_t margin) {
+  const int32_t corners[] = {top.start, position_at(top, last), bottom.start, position_at(bottom, last)};
+  interval x{corners[0], corners[0]};
+  for (int32_t c : corners) x = {c < x.low ? c : x.low, c > x.high ? c : x.high};
+  return {x.low - margin, x.high + margin};
+}
+inline box box_of_block(const block& b, int level, int32_t offset) {
+  const int last = (1 << b.k) - 1;
+  const row top = row_at(b, 0), bottom = row_at(b, last);
+  const auto axis = [&](const row_axis& x, int32_t base) { return scaled(x, base, level, b.unit_log2, offset); };
+  const int32_t margin = scale_down(1 << 13, level - b.unit_log2) + 64;
+  return {hull(axis(top.u, b.u.base), axis(bottom.u, b.u.base), last, margin), hull(axis(top.v, b.v.base), axis(bottom.v, b.v.base), last, margin)};
+}
+
+[[gnu::noinline]] inline bool source_of_block(const block& b, const level_view& t, int level, int32_t offset, int neighbour, source& out) {
+  const box x = box_of_block(b, level, offset);
+  return source_of(t, x.u, x.v, (b.u.base >> (level + 1)) * 2, (b.v.base >> (level + 1)) * 2, neighbour, out);
+}
+// Likewise for the level after `level`.
+inline bool source_of_coarser(const block& b, const level_view& t, int level, source& out) {
+  const box x = box_of_block(b, level, snap);
+  return source_of(t, {coarser(x.u.low), coarser(x.u.high)}, {coarser(x.v.low), coarser(x.v.high)}, b.u.base >> (level + 1), b.v.base >> (level + 1), 1, out);
+}
+
+}  // namespace detail
+
+// A run of pixels of one row of a block, from its pixel `first`, levels of detail pixel by pixel.
 template <filter Kind>
-inline void draw_run(uint16_t* out, int first, int count, const texture_view& t, const block& b, const row& whole, level_row level) {
+[[gnu::noinline]] inline void draw_run(uint16_t* out, int first, int count, const texture_view& t, const block& b, const row& whole, level_row level) {
   const row r = first == 0 ? whole : row{from_pixel(whole.u, first), from_pixel(whole.v, first)};
-  if constexpr (!uses_levels(Kind)) {
-    const level_view map = level_of(t, 0);
-    const level_walk w = detail::walk_of(r, b, 0, Kind == filter::nearest ? 0 : snap);
-    if (Kind == filter::nearest && wraps_by_mask(map)) draw_masked(out, count, map, w);
-    else draw_level<Kind>(out, count, map, w);
-  } else {
-    // To nearest at the fraction's bits, or to the nearest level.
-    level.start += first * level.step + (Kind == filter::mip_bilinear ? (1 << 15) - 1 : 1 << (15 - blend_bits));
-    const auto whole_level = [&](int i) { return clamp_to((level.start + i * level.step) >> 16, -1, t.last_level()); };
-    for (int done = 0; done < count;) {
-      int n = count - done;
-      const int at = whole_level(done);
-      while (whole_level(done + n - 1) != at) n = (n + 1) / 2;
-      const int fine = max_of(at, 0);
-      level_walk w = detail::walk_of(r, b, fine, snap);
-      if (done > 0) w.at = detail::advanced(w.at, done);
-      if (Kind == filter::mip_bilinear || at < 0 || at == t.last_level()) draw_level<filter::bilinear>(out + done, n, level_of(t, fine), w);
-      else draw_between(out + done, n, level_of(t, fine), level_of(t, fine + 1), w, {level.start + done * level.step, level.step});
-      done += n;
-    }
+  level.start += first * level.step + detail::level_rounding(Kind);
+  const auto whole_level = [&](int i) { return clamp_to((level.start + i * level.step) >> 16, -1, t.last_level()); };
+  for (int done = 0; done < count;) {
+    int n = count - done;
+    const int at = whole_level(done);
+    while (whole_level(done + n - 1) != at) n = (n + 1) / 2;
+    const int fine = max_of(at, 0);
+    level_walk w = detail::walk_of(r, b, fine, snap);
+    if (done > 0) w.at = detail::advanced(w.at, done);
+    if (Kind == filter::mip_bilinear || at < 0 || at == t.last_level()) draw_level<filter::bilinear>(out + done, n, level_of(t, fine), w);
+    else draw_between(out + done, n, level_of(t, fine), level_of(t, fine + 1), w, {level.start + done * level.step, level.step});
+    done += n;
   }
 }
 
