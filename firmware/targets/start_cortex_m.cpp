@@ -2,6 +2,7 @@
 // Start of a Cortex-M: vector table, memory, FPU and MVE if there are any, main, end of the emulation.
 #include <stdint.h>
 
+#include "memory.hpp"
 #include "semihosting.hpp"
 
 int main();
@@ -10,16 +11,6 @@ extern "C" {
 extern uint32_t data_in_flash[], data_begin[], data_end[], bss_begin[], bss_end[], stack_top[];
 extern void (*init_array_begin[])();
 extern void (*init_array_end[])();
-
-// What gcc may call for copies and fills; without the library they are ours.
-void* memcpy(void* to, const void* from, size_t n) {
-  for (size_t k = 0; k < n; ++k) static_cast<volatile uint8_t*>(to)[k] = static_cast<const uint8_t*>(from)[k];
-  return to;
-}
-void* memset(void* to, int value, size_t n) {
-  for (size_t k = 0; k < n; ++k) static_cast<volatile uint8_t*>(to)[k] = uint8_t(value);
-  return to;
-}
 
 // Before any code that may use vectors.
 [[gnu::naked, noreturn]] void reset_handler() {

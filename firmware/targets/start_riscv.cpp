@@ -2,6 +2,7 @@
 // Start of an RV32 core on QEMU's board `virt`.
 #include <stdint.h>
 
+#include "memory.hpp"
 #include "semihosting.hpp"
 
 int main();
@@ -10,15 +11,6 @@ extern "C" {
 extern uint32_t bss_begin[], bss_end[];
 extern void (*init_array_begin[])();
 extern void (*init_array_end[])();
-
-void* memcpy(void* to, const void* from, size_t n) {
-  for (size_t k = 0; k < n; ++k) static_cast<volatile uint8_t*>(to)[k] = static_cast<const uint8_t*>(from)[k];
-  return to;
-}
-void* memset(void* to, int value, size_t n) {
-  for (size_t k = 0; k < n; ++k) static_cast<volatile uint8_t*>(to)[k] = uint8_t(value);
-  return to;
-}
 
 [[gnu::naked, gnu::section(".start"), gnu::used]] void _start() { asm volatile("la sp, stack_top\n j start"); }
 

@@ -41,15 +41,15 @@ struct row { row_axis u, v; };
 
 // Half pixels from the centre to the outermost pixel centres.
 constexpr int32_t reach_of(int k) { return (1 << k) - 1; }
-constexpr int slope_bits(int k) { return 17 + k; }  // of a, b; 9 less as 16-bit factors
+constexpr int slope_bits(int k) { return 17 + k; }  // of a, b; 10 less as 16-bit factors
 
 namespace detail {
 
-// Whether a block's numbers have their 16 bits: |e| <= 1/8, reach below 48 units.
+// Whether a block's numbers have their 16 bits: |e| <= 1/8, reach below 96 units.
 constexpr bool fits(const reference& r, int32_t reach, int unit_log2) {
   if (!r.u_in_range || !r.v_in_range) return false;
   if (uint64_t(reach) * (magnitude(r.g) + magnitude(r.h)) > uint64_t(r.w) / 8) return false;
-  const uint64_t most = uint64_t(r.w) * (uint64_t(48) << unit_log2);
+  const uint64_t most = uint64_t(r.w) * (uint64_t(96) << unit_log2);
   return magnitude(r.c_u) + uint64_t(reach) * (magnitude(r.a_u) + magnitude(r.b_u)) < most &&
          magnitude(r.c_v) + uint64_t(reach) * (magnitude(r.a_v) + magnitude(r.b_v)) < most;
 }
@@ -61,17 +61,17 @@ constexpr int32_t quotient_of(int64_t n, const reference& r, int scale) {
 constexpr block_axis axis_of(int64_t c, int64_t a, int64_t b, int32_t base, const reference& r, const block& o) {
   const int bits = slope_bits(o.k) - o.unit_log2;
   const int32_t qa = quotient_of(a, r, bits), qb = quotient_of(b, r, bits), qc = quotient_of(c, r, 16 - o.unit_log2);
-  return {base, qc, qb, qa - ((qc >> 6) * o.g >> 9), ((qa >> 9) * o.h - (qb >> 9) * o.g) >> (7 + o.k)};
+  return {base, qc, qb, qa - ((qc >> 6) * o.g >> 9), ((qa >> 10) * o.h - (qb >> 10) * o.g) >> (6 + o.k)};
 }
 
-// The term of third degree that a row leaves out: at most a X (g X)^2 texels, X the reach.
-constexpr bool bends_enough(const block& o, int32_t reach) {
+// The term of third degree, at most a X (g X)^2 units, X the reach, is replaced by its best line: a quarter of it is left.
+constexpr bool bends_little(const block& o, int32_t reach) {
   const auto size = [](int32_t x) { return x < 0 ? -x : x; };
   const int32_t e = size(o.g) * reach >> (o.k + 1);                                    // 2^-15
   const int32_t square = e * e >> 15;
   const int32_t steeper = size(o.u.slope) > size(o.v.slope) ? size(o.u.slope) : size(o.v.slope);
-  const int32_t extent = (steeper >> 9) * reach >> (o.k - 1);                          // 2^-9
-  return extent * square <= 1 << (24 - row_tolerance_bits);
+  const int32_t extent = (steeper >> 10) * reach >> (o.k - 1);                         // 2^-8
+  return extent * square <= 1 << (23 + 2 - row_tolerance_bits);
 }
 
 // Level of detail: KT88's formula about the pixel interval, log2 K - 2 log2 W - 1, with an extra bias in 1/16 level.
@@ -85,23 +85,23 @@ constexpr int unit_of(int32_t level, int last_level) { return clamp_to((level >>
 // What a block's level of detail needs: last_level < 0 for filters without levels.
 struct level_terms { int last_level, bias; };
 
-// Coordinates of block (bx, by) of side 2^k. False if the block must be cut, or if k = 0 and the pixel is not in front of the viewer.
+// Coordinates of block (bx, by) of side 2^k. False (and `out` undefined) if the block must be cut, or if k = 0 and the pixel is not in front of the viewer.
 constexpr bool block_at(const plane& p, int32_t bx, int32_t by, int k, level_terms levels, block& out) {
   const int32_t hx = (2 * bx + 1) * (1 << k), hy = (2 * by + 1) * (1 << k), reach = reach_of(k);
   if (p.w_at(hx, hy) <= 0) return false;
   const reference r = reference_at(p, hx, hy);
-  block o{};
+  block& o = out;
   o.k = int8_t(k);
+  o.unit_log2 = 0;
+  o.level = 0;
   if (levels.last_level >= 0) {
     o.level = detail::level_at_centre(p, r.w, levels.bias);
     o.unit_log2 = int8_t(k == 0 ? 0 : detail::unit_of(o.level, levels.last_level));
   }
-  o.u.base = r.base_u;
-  o.v.base = r.base_v;
   if (k == 0) {  // a coordinate out of range is +-32767
-    if (r.u_in_range) o.u.c = detail::quotient_of(r.c_u, r, 16);
-    if (r.v_in_range) o.v.c = detail::quotient_of(r.c_v, r, 16);
-    out = o;
+    o.g = o.h = 0;
+    o.u = {r.base_u, r.u_in_range ? detail::quotient_of(r.c_u, r, 16) : 0, 0, 0, 0};
+    o.v = {r.base_v, r.v_in_range ? detail::quotient_of(r.c_v, r, 16) : 0, 0, 0, 0};
     return true;
   }
   if (!detail::fits(r, reach, o.unit_log2)) return false;
@@ -109,8 +109,7 @@ constexpr bool block_at(const plane& p, int32_t bx, int32_t by, int k, level_ter
   o.h = detail::quotient_of(r.h, r, 16 + k);
   o.u = detail::axis_of(r.c_u, r.a_u, r.b_u, r.base_u, r, o);
   o.v = detail::axis_of(r.c_v, r.a_v, r.b_v, r.base_v, r, o);
-  out = o;
-  return detail::bends_enough(o, reach);
+  return detail::bends_little(o, reach);
 }
 
 namespace detail {
@@ -122,15 +121,18 @@ constexpr int32_t series_of(int32_t e) {
   return q;
 }
 
-struct row_terms { int32_t q, q2, g; };  // 1 - 1/w, 2^-17; 1 - 1/w^2, 2^-16; g / w
+// 1 - 1/w, 2^-17; 1 - 1/w^2, 2^-16; g / w; 3/4 (g X / w)^2, 2^-15.
+struct row_terms { int32_t q, q2, g, third; };
 
 constexpr row_axis row_of(const block_axis& x, int32_t hy, const row_terms& t, int k) {
   const int32_t reach = reach_of(k), n = x.c + (x.b * hy >> (k + 1)), slope = x.slope + x.twist * hy;
-  const int32_t middle = n - ((n >> 7) * t.q >> 10);                                   // 2^-16
-  const int32_t d = slope - ((slope >> 9) * t.q2 >> 7);                                // 2^-(17 + k)
-  const int32_t half = d >> (k + 1);
-  if (t.g == 0) return {middle - reach * half, 2 * half, 0};
-  const int32_t bend = shift_right(-((d >> 9) * t.g), 5 + 2 * k);
+  const int32_t middle = n - ((n >> 8) * t.q >> 9);                                    // 2^-16
+  const int32_t d = slope - ((slope >> 10) * t.q2 >> 6);                               // 2^-(17 + k)
+  if (t.g == 0) {
+    const int32_t half = d >> (k + 1);
+    return {middle - reach * half, 2 * half, 0};
+  }
+  const int32_t bend = shift_right(-((d >> 10) * t.g), 4 + 2 * k), half = (d + ((d >> 10) * t.third >> 5)) >> (k + 1);
   return {middle - reach * half + (reach * reach * bend >> 3), 2 * half - (reach >> 1) * bend, bend};
 }
 
@@ -140,13 +142,18 @@ constexpr row_axis row_of(const block_axis& x, int32_t hy, const row_terms& t, i
 constexpr row row_at(const block& b, int j) {
   if (b.k == 0) return {{b.u.c, 0, 0}, {b.v.c, 0, 0}};
   const int32_t hy = 2 * j - reach_of(b.k), q = detail::series_of(b.h * hy >> (b.k - 1));
-  const detail::row_terms t{q, q - (q * q >> 18), b.g - (b.g * q >> 17)};
+  detail::row_terms t{q, q - (q * q >> 18), 0, 0};
+  if (b.g != 0) {
+    t.g = b.g - (b.g * q >> 17);
+    const int32_t e = t.g * reach_of(b.k) >> (b.k + 1);  // 2^-15
+    t.third = 3 * (e * e >> 15) >> 2;
+  }
   return {detail::row_of(b.u, hy, t, b.k), detail::row_of(b.v, hy, t, b.k)};
 }
 
 // Level of detail along row j, s.16: linear in the block. 2/ln 2 = 23637/8192.
-struct level_row { int32_t start, step; };
-constexpr level_row level_row_at(const block& b, int j) {
+struct level_run { int32_t start, step; };
+constexpr level_run level_row_at(const block& b, int j) {
   const auto per_half_pixel = [&](int32_t slope) { return -(slope * 23637 >> (13 + b.k)); };
   const int32_t x = per_half_pixel(b.g), hy = 2 * j - reach_of(b.k);
   return {b.level + per_half_pixel(b.h) * hy - x * reach_of(b.k), 2 * x};

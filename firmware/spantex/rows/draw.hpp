@@ -79,12 +79,17 @@ struct polygon_cover {
 
 }  // namespace detail
 
-// One surface being drawn.
+// One surface being drawn. Its memory is the caller's: `state`, 400 bytes with what kernels work in.
+struct state {
+  block coordinates;
+  scratch between;
+};
+
 template <filter Kind, class Target, class Cover>
 class painter {
  public:
-  constexpr painter(const plane& p, const texture_view& t, const Target& target, rectangle area, const Cover& cover)
-      : plane_(p), map_(t), target_(target), area_(area), cover_(cover) {
+  painter(const plane& p, const texture_view& t, const Target& target, rectangle area, const Cover& cover, state& memory)
+      : plane_(p), map_(t), target_(target), memory_(memory), area_(area), cover_(cover) {
     const level_view map = level_of(t, 0);
     masked_ = wraps_by_mask(map);
     source_ = {map.texels, 2 * map.width};
@@ -116,7 +121,7 @@ class painter {
     const int32_t left = max_of(area_.x0 - x0, 0), right = min_of(area_.x1 - x0, side);
     const int32_t top = max_of(area_.y0 - y0, 0), bottom = min_of(area_.y1 - y0, side);
     if (left >= right || top >= bottom || !cover_.prepare(x0, y0, k)) return true;
-    block b;
+    block& b = memory_.coordinates;
     if (!block_at(plane_, x0 >> k, y0 >> k, k, {uses_levels(Kind) ? map_.last_level() : -1, 0}, b)) return false;
     const block_part part{x0, y0, int8_t(left), int8_t(right), int8_t(top), int8_t(bottom)};
     if constexpr (Kind == filter::nearest) {
@@ -147,10 +152,11 @@ class painter {
 
   // The whole map repeats in powers of two: masks wrap.
   SPANTEX_WRAPS [[gnu::always_inline]] void masked_row(texel565* out, int first, int count, const block& b, int j) {
-    const row r = row_from(b, j, first);
-    nearest_run(out, count,
-                {int32_t(uint32_t(r.u.start) + (uint32_t(b.u.base) << 16)), int32_t(uint32_t(r.v.start) + (uint32_t(b.v.base) << 16)), r.u.step,
-                 r.v.step, r.u.bend, r.v.bend}, source_, masks_);
+    const row r = row_at(b, j);
+    walk w{int32_t(uint32_t(r.u.start) + (uint32_t(b.u.base) << 16)), int32_t(uint32_t(r.v.start) + (uint32_t(b.v.base) << 16)), r.u.step, r.v.step,
+           r.u.bend, r.v.bend};
+    if (first != 0) w = detail::advanced(w, first);
+    nearest_run(out, count, w, source_, masks_);
   }
 
   static row row_from(const block& b, int j, int first) {
@@ -166,8 +172,8 @@ class painter {
     const bool inside = detail::source_of_block(b, t, level, offset, kind == filter::nearest ? 0 : 1, s);
     each_row(b, part, [&](texel565* out, int first, int count, int j) {
       const level_walk w = detail::walk_of(row_from(b, j, first), b, level, offset);
-      if (inside) run<kind>(out, count, w.at, s);
-      else draw_level<kind>(out, count, t, w);
+      if (inside) run<kind>(out, count, w.at, s, memory_.between);
+      else draw_level<kind>(out, count, t, w, memory_.between);
     });
   }
 
@@ -178,10 +184,10 @@ class painter {
     const bool inside = detail::source_of_block(b, t, level, snap, 1, near) && detail::source_of_coarser(b, next, level, far);
     each_row(b, part, [&](texel565* out, int first, int count, int j) {
       const level_walk w = detail::walk_of(row_from(b, j, first), b, level, snap);
-      level_row d = level_row_at(b, j);
+      level_run d = level_row_at(b, j);
       d.start += first * d.step + detail::level_rounding(Kind);
-      if (inside) trilinear_run(out, count, w.at, near, far, d.start, d.step);
-      else draw_between(out, count, t, next, w, d);
+      if (inside) trilinear_run(out, count, w.at, near, far, d, memory_.between);
+      else draw_between(out, count, t, next, w, d, memory_.between);
     });
   }
 
@@ -193,12 +199,13 @@ class painter {
       else draw_with_two(b, part, fine);
       return;
     }
-    each_row(b, part, [&](texel565* out, int first, int count, int j) { draw_run<Kind>(out, first, count, map_, b, row_at(b, j), level_row_at(b, j)); });
+    each_row(b, part, [&](texel565* out, int first, int count, int j) { draw_run<Kind>(out, first, count, map_, b, row_at(b, j), level_row_at(b, j), memory_.between); });
   }
 
   const plane& plane_;
   const texture_view& map_;
   const Target& target_;
+  state& memory_;
   rectangle area_;
   Cover cover_;
   bool masked_ = false;
@@ -217,33 +224,33 @@ constexpr status check(const texture_view& t, filter kind) {
 
 // The part of a plane in front of the viewer inside `area`, which is cut to the target's `width` and `height`. Errors: those of check().
 template <filter Kind, class Target>
-status draw(const Target& target, const plane& p, const texture_view& t, rectangle area) {
+status draw(state& memory, const Target& target, const plane& p, const texture_view& t, rectangle area) {
   SPANTEX_TRY(check(t, Kind));
   area = intersection(area, {0, 0, target.width, target.height});
   if (area.empty()) return status::ok;
-  painter<Kind, Target, detail::rectangle_cover>(p, t, target, area, {}).draw();
+  painter<Kind, Target, detail::rectangle_cover>(p, t, target, area, {}, memory).draw();
   return status::ok;
 }
 
 // A polygon. Errors: those of check().
 template <filter Kind, class Target>
-status draw(const Target& target, const polygon& p, const texture_view& t) {
+status draw(state& memory, const Target& target, const polygon& p, const texture_view& t) {
   SPANTEX_TRY(check(t, Kind));
   const rectangle area = intersection(p.box, {0, 0, target.width, target.height});
   if (area.empty()) return status::ok;
-  painter<Kind, Target, detail::polygon_cover>(p.map, t, target, area, {&p.edges, {}}).draw();
+  painter<Kind, Target, detail::polygon_cover>(p.map, t, target, area, {&p.edges, {}}, memory).draw();
   return status::ok;
 }
 
 // The same with the filter chosen at run time: all of them are linked.
 template <class Target, class... What>
-status draw_any(filter kind, const Target& target, const What&... what) {
+status draw_any(filter kind, state& memory, const Target& target, const What&... what) {
   switch (kind) {
-    case filter::nearest: return draw<filter::nearest>(target, what...);
-    case filter::three_point: return draw<filter::three_point>(target, what...);
-    case filter::bilinear: return draw<filter::bilinear>(target, what...);
-    case filter::mip_bilinear: return draw<filter::mip_bilinear>(target, what...);
-    case filter::trilinear: return draw<filter::trilinear>(target, what...);
+    case filter::nearest: return draw<filter::nearest>(memory, target, what...);
+    case filter::three_point: return draw<filter::three_point>(memory, target, what...);
+    case filter::bilinear: return draw<filter::bilinear>(memory, target, what...);
+    case filter::mip_bilinear: return draw<filter::mip_bilinear>(memory, target, what...);
+    case filter::trilinear: return draw<filter::trilinear>(memory, target, what...);
     default: return status::out_of_range;
   }
 }

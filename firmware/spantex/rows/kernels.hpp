@@ -5,6 +5,7 @@
 #include <stdint.h>
 
 #include <spantex/bits.hpp>
+#include <spantex/rows/block.hpp>
 #include <spantex/rows/packed.hpp>
 #include <spantex/rows/sample.hpp>
 
@@ -30,6 +31,15 @@ struct source {
 
 namespace spantex::rows {
 
+inline constexpr int longest_run = 32;
+
+// Memory that a kernel works in, between its two loops where it takes two.
+struct scratch {
+#if SPANTEX_ROWS_DSP
+  uint32_t words[dsp::scratch_words];
+#endif
+};
+
 namespace detail {
 
 constexpr uint32_t to_bytes(const source& s) { return uint32_t(s.pitch_bytes) << 16 | 2u; }
@@ -37,18 +47,6 @@ constexpr uint32_t to_bytes(const source& s) { return uint32_t(s.pitch_bytes) <<
 #if SPANTEX_ROWS_DSP
 
 inline uint32_t address(const source& s) { return uint32_t(reinterpret_cast<uintptr_t>(s.origin)); }
-
-// In chunks: the first loop's numbers lie on the stack.
-template <int WordsAPixel, class First, class Second>
-inline void in_two_loops(uint16_t* out, int count, const First& first, const Second& second) {
-  constexpr int most = dsp::chunk_words / WordsAPixel;
-  uint32_t places[dsp::chunk_words];
-  for (; count > 0; count -= most, out += most) {
-    const int n = min_of(count, most);
-    first(places, n);
-    second(out, places, n);
-  }
-}
 
 #else
 
@@ -86,13 +84,14 @@ inline void nearest_run(uint16_t* out, int count, const walk& from, const source
 }
 
 // Snapped positions (sample.hpp).
-inline void bilinear_run(uint16_t* out, int count, walk at, const source& s) {
+[[gnu::noinline]] inline void bilinear_run(uint16_t* out, int count, const walk& from, const source& s, scratch& between) {
 #if SPANTEX_ROWS_DSP
-  detail::in_two_loops<3>(
-      out, count, [&](uint32_t* to, int n) { dsp::weighted_places(to, n, at, detail::address(s), detail::to_bytes(s)); },
-      [&](uint16_t* pixels, const uint32_t* from, int n) { dsp::four_points(pixels, from, n, uint32_t(s.pitch_bytes)); });
+  if ((from.ddu | from.ddv) == 0) dsp::weighted_places_straight(between.words, count, from, detail::address(s), detail::to_bytes(s));
+  else dsp::weighted_places(between.words, count, from, detail::address(s), detail::to_bytes(s));
+  dsp::four_points(out, between.words, count, uint32_t(s.pitch_bytes));
 #else
-  for (; count > 0; --count, at.step()) {
+  (void)between;
+  for (walk at = from; count > 0; --count, at.step()) {
     const detail::halfway c = detail::four_points(detail::texel_at(s, upper_halves(at.v, at.u)), s, weight_of(at.u), weight_of(at.v));
     const uint32_t rb = c.rb + 0x02000200u, g = c.g + 0x200u;
     *out++ = uint16_t((rb >> 26) << 11 | (g >> 10) << 5 | (rb >> 10 & 31));
@@ -100,14 +99,14 @@ inline void bilinear_run(uint16_t* out, int count, walk at, const source& s) {
 #endif
 }
 
-inline void three_point_run(uint16_t* out, int count, walk at, const source& s) {
+[[gnu::noinline]] inline void three_point_run(uint16_t* out, int count, const walk& from, const source& s, scratch& between) {
 #if SPANTEX_ROWS_DSP
-  detail::in_two_loops<3>(
-      out, count, [&](uint32_t* to, int n) { dsp::places(to, n, at, detail::address(s), detail::to_bytes(s)); },
-      [&](uint16_t* pixels, const uint32_t* from, int n) { dsp::three_points(pixels, from, n, uint32_t(s.pitch_bytes)); });
+  dsp::places(between.words, count, from, detail::address(s), detail::to_bytes(s));
+  dsp::three_points(out, between.words, count, uint32_t(s.pitch_bytes));
 #else
+  (void)between;
   constexpr uint32_t one = 1u << weight_bits, half = (1u | 1u << 11 | 1u << 21) << (weight_bits - 1);
-  for (; count > 0; --count, at.step()) {
+  for (walk at = from; count > 0; --count, at.step()) {
     const texel565* const p = detail::texel_at(s, upper_halves(at.v, at.u));
     const texel565* const q = detail::below(p, s);
     const uint32_t fu = weight_of(at.u), fv = weight_of(at.v);
@@ -120,16 +119,20 @@ inline void three_point_run(uint16_t* out, int count, walk at, const source& s) 
 #endif
 }
 
-// Positions on the finer level; those on the coarser follow: (fine + snap) / 2, floor. level, its step: 2^-16, its whole part the same all along.
-inline void trilinear_run(uint16_t* out, int count, walk at, const source& fine, const source& coarse, int32_t level, int32_t level_step) {
+// Positions on the finer level; those on the coarser follow: (fine + snap) / 2, floor. The whole part of the level is the same all along.
+[[gnu::noinline]] inline void trilinear_run(uint16_t* out, int count, walk at, const source& fine, const source& coarse, level_run level, scratch& between) {
 #if SPANTEX_ROWS_DSP
-  const dsp::two_levels levels{detail::address(fine), detail::to_bytes(fine), detail::address(coarse), detail::to_bytes(coarse), at.ddu, at.ddv, level_step};
-  detail::in_two_loops<6>(
-      out, count, [&](uint32_t* to, int n) { dsp::places_of_two(to, n, at, level, levels); },
-      [&](uint16_t* pixels, const uint32_t* from, int n) { dsp::eight_points(pixels, from, n, uint32_t(fine.pitch_bytes)); });
+  constexpr int most = dsp::scratch_words / 6;
+  const dsp::two_levels levels{detail::address(fine), detail::to_bytes(fine), detail::address(coarse), detail::to_bytes(coarse), at.ddu, at.ddv, level.step};
+  for (; count > 0; count -= most, out += most) {
+    const int n = min_of(count, most);
+    dsp::places_of_two(between.words, n, at, level.start, levels);
+    dsp::eight_points(out, between.words, n, uint32_t(fine.pitch_bytes));
+  }
 #else
-  for (; count > 0; --count, at.step(), level += level_step) {
-    const uint32_t f = uint32_t(level) >> (16 - blend_bits) & ((1u << blend_bits) - 1), e = (1u << blend_bits) - f;
+  (void)between;
+  for (; count > 0; --count, at.step(), level.start += level.step) {
+    const uint32_t f = uint32_t(level.start) >> (16 - blend_bits) & ((1u << blend_bits) - 1), e = (1u << blend_bits) - f;
     const int32_t u = (at.u + snap) >> 1, v = (at.v + snap) >> 1;
     const detail::halfway a = detail::four_points(detail::texel_at(fine, upper_halves(at.v, at.u)), fine, weight_of(at.u), weight_of(at.v));
     const detail::halfway b = detail::four_points(detail::texel_at(coarse, upper_halves(v, u)), coarse, weight_of(u), weight_of(v));

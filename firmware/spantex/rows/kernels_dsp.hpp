@@ -51,7 +51,7 @@ inline void nearest_bent(uint16_t* out, int count, const walk& at, uint32_t orig
 #undef SPANTEX_STRAIGHT
 #undef SPANTEX_BENT
 
-inline constexpr int chunk_words = 48;  // between the two loops of a filter
+inline constexpr int scratch_words = 6 * 16;  // between the two loops of a filter: 32 pixels of bilinear, 16 of trilinear
 
 // clang-format off
 #define SPANTEX_STEP "add %[u], %[u], %[du]\n add %[v], %[v], %[dv]\n add %[du], %[du], %[ddu]\n add %[dv], %[dv], %[ddv]\n"
@@ -60,9 +60,32 @@ inline constexpr int chunk_words = 48;  // between the two loops of a filter
                       "orr %[w], %[w], r5, lsl #16\n ubfx r5, %[v], #11, #5\n mul r6, %[w], r5\n rsb r5, r6, %[w], lsl #5\n stmia %[to]!, {r4, r5, r6}\n" SPANTEX_STEP
 // clang-format on
 
-// count > 0; three words a pixel; the walk goes on.
-inline void weighted_places(uint32_t* to, int count, walk& at, uint32_t origin, uint32_t to_bytes) {
+// Along straight rows two registers are free for a product that makes the columns.
+// clang-format off
+#define SPANTEX_STRAIGHT "pkhtb r4, %[v], %[u], asr #16\n ubfx r5, %[u], #11, #5\n smlad r4, r4, %[k], %[o]\n mla %[w], r5, %[ffff], %[one]\n" \
+                         "ubfx r5, %[v], #11, #5\n add %[u], %[u], %[du]\n mul r6, %[w], r5\n add %[v], %[v], %[dv]\n rsb r5, r6, %[w], lsl #5\n stmia %[to]!, {r4, r5, r6}\n"
+// clang-format on
+
+// count > 0; three words a pixel.
+[[gnu::always_inline]] inline void weighted_places_straight(uint32_t* to, int count, const walk& at, uint32_t origin, uint32_t to_bytes) {
   uint32_t w;
+  int32_t u = at.u, v = at.v;
+  asm volatile(
+      "subs %[n], %[n], #4\n blt 2f\n"
+      "1:\n" SPANTEX_STRAIGHT SPANTEX_STRAIGHT SPANTEX_STRAIGHT SPANTEX_STRAIGHT
+      "subs %[n], %[n], #4\n bge 1b\n"
+      "2: adds %[n], %[n], #4\n beq 4f\n"
+      "3:\n" SPANTEX_STRAIGHT "subs %[n], %[n], #1\n bne 3b\n"
+      "4:\n"
+      : [to] "+r"(to), [n] "+r"(count), [u] "+r"(u), [v] "+r"(v), [w] "=&r"(w)
+      : [du] "r"(at.du), [dv] "r"(at.dv), [k] "r"(to_bytes), [o] "r"(origin), [ffff] "r"(0xFFFF), [one] "r"(32)
+      : "r4", "r5", "r6", "memory", "cc");
+}
+#undef SPANTEX_STRAIGHT
+
+[[gnu::always_inline]] inline void weighted_places(uint32_t* to, int count, const walk& at, uint32_t origin, uint32_t to_bytes) {
+  uint32_t w;
+  int32_t u = at.u, v = at.v, du = at.du, dv = at.dv;
   asm volatile(
       "subs %[n], %[n], #4\n blt 2f\n"
       "1:\n" SPANTEX_PLACE SPANTEX_PLACE SPANTEX_PLACE SPANTEX_PLACE
@@ -70,7 +93,7 @@ inline void weighted_places(uint32_t* to, int count, walk& at, uint32_t origin, 
       "2: adds %[n], %[n], #4\n beq 4f\n"
       "3:\n" SPANTEX_PLACE "subs %[n], %[n], #1\n bne 3b\n"
       "4:\n"
-      : [to] "+r"(to), [n] "+r"(count), [u] "+r"(at.u), [v] "+r"(at.v), [du] "+r"(at.du), [dv] "+r"(at.dv), [w] "=&r"(w)
+      : [to] "+r"(to), [n] "+r"(count), [u] "+r"(u), [v] "+r"(v), [du] "+r"(du), [dv] "+r"(dv), [w] "=&r"(w)
       : [ddu] "r"(at.ddu), [ddv] "r"(at.ddv), [k] "r"(to_bytes), [o] "r"(origin)
       : "r4", "r5", "r6", "memory", "cc");
 }
@@ -84,7 +107,7 @@ inline void weighted_places(uint32_t* to, int count, walk& at, uint32_t origin, 
                        "lsr %[r], %[r], #10\n lsr %[x], %[x], #10\n orr %[x], %[x], %[r], lsl #11\n lsr %[g], %[g], #10\n orr %[x], %[x], %[g], lsl #5\n strh %[x], [%[out]], #2\n"
 // clang-format on
 
-inline void four_points(uint16_t* out, const uint32_t* from, int count, uint32_t pitch_bytes) {
+[[gnu::always_inline]] inline void four_points(uint16_t* out, const uint32_t* from, int count, uint32_t pitch_bytes) {
   uint32_t x, y, g, r;
   asm volatile(
       "subs %[n], %[n], #2\n blt 2f\n"
@@ -103,7 +126,8 @@ inline void four_points(uint16_t* out, const uint32_t* from, int count, uint32_t
 // clang-format on
 
 // Addresses and positions, three words a pixel.
-inline void places(uint32_t* to, int count, walk& at, uint32_t origin, uint32_t to_bytes) {
+[[gnu::always_inline]] inline void places(uint32_t* to, int count, const walk& at, uint32_t origin, uint32_t to_bytes) {
+  int32_t du = at.du, dv = at.dv;
   register int32_t u asm("r5") = at.u;
   register int32_t v asm("r6") = at.v;
   asm volatile(
@@ -113,11 +137,9 @@ inline void places(uint32_t* to, int count, walk& at, uint32_t origin, uint32_t 
       "2: adds %[n], %[n], #4\n beq 4f\n"
       "3:\n" SPANTEX_POSITION "subs %[n], %[n], #1\n bne 3b\n"
       "4:\n"
-      : [to] "+r"(to), [n] "+r"(count), [u] "+r"(u), [v] "+r"(v), [du] "+r"(at.du), [dv] "+r"(at.dv)
+      : [to] "+r"(to), [n] "+r"(count), [u] "+r"(u), [v] "+r"(v), [du] "+r"(du), [dv] "+r"(dv)
       : [ddu] "r"(at.ddu), [ddv] "r"(at.ddv), [k] "r"(to_bytes), [o] "r"(origin)
       : "r4", "memory", "cc");
-  at.u = u;
-  at.v = v;
 }
 #undef SPANTEX_POSITION
 
@@ -131,7 +153,7 @@ inline void places(uint32_t* to, int count, walk& at, uint32_t origin, uint32_t 
                        "and %[s], %[mask], %[s], lsr #5\n orr %[s], %[s], %[s], lsr #16\n strh %[s], [%[out]], #2\n"
 // clang-format on
 
-inline void three_points(uint16_t* out, const uint32_t* from, int count, uint32_t pitch_bytes) {
+[[gnu::always_inline]] inline void three_points(uint16_t* out, const uint32_t* from, int count, uint32_t pitch_bytes) {
   uint32_t x, y, s;
   asm volatile(
       "subs %[n], %[n], #2\n blt 2f\n"

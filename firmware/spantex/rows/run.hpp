@@ -62,25 +62,55 @@ constexpr interval reach_along(int32_t start, int32_t step, int32_t bend, int co
   return {(start < end ? start : end) - more, (start < end ? end : start) + more};
 }
 
-// Where the level's texel 0 lies in positions relative to the base, if all texels of an interval lie in one copy of the map.
-constexpr bool origin_of(interval x, int32_t base, int32_t size, wrap mode, int neighbour, int32_t& origin) {
-  const int32_t low = base + (x.low >> 16), high = base + (x.high >> 16) + neighbour;
-  int32_t first = low;
-  if (uint32_t(low) >= uint32_t(size)) {
-    if (mode != wrap::repeat) return false;
-    first = wrapped(mode, low, size);
-  }
-  if (first + (high - low) >= size) return false;
-  origin = first - (x.low >> 16);
+// Where texel 0 of the copy of the map that holds a position lies in positions relative to the base. False where the map is not repeated as it is.
+constexpr bool origin_of(int32_t position, int32_t base, int32_t size, wrap mode, int32_t& origin) {
+  const int32_t texel = position >> 16, index = base + texel;
+  origin = -base;
+  if (uint32_t(index) < uint32_t(size)) return true;
+  if (mode != wrap::repeat) return false;
+  origin = texel - wrapped(mode, index, size);
   return true;
 }
 
-// A pointer for the kernel, if the run's texels all lie in the level.
+// Whether all texels of an interval lie in that copy.
+constexpr bool lies_in(interval x, int32_t origin, int32_t size, int neighbour) { return (x.low >> 16) >= origin && (x.high >> 16) + neighbour < origin + size; }
+
+// Pixels that go by before a position that changes by `step` leaves the copy: 0 if it is on the border now, at most `count`.
+constexpr int until_border(int32_t position, int32_t step, int32_t origin, int32_t size, int neighbour, int count) {
+  const int32_t first = origin * (1 << 16), end = (origin + size - neighbour) * (1 << 16);
+  if (position >= end) return 0;
+  if (step == 0) return count;
+  const int32_t n = step > 0 ? (end - 1 - position) / step : (position - first) / -step;
+  return n < count ? n + 1 : count;
+}
+
+// The longest run from here, at most `count`, whose texels lie in one copy of the level, and the pointer for its kernel. 0: the pixel's texels do not.
+struct place { source s; int count; };
+inline place place_of(const level_view& t, const level_walk& w, int neighbour, int count) {
+  int32_t x = 0, y = 0;
+  if (!origin_of(w.at.u, w.base_u, t.width, t.wrap_u, x) || !origin_of(w.at.v, w.base_v, t.height, t.wrap_v, y)) return {{}, 0};
+  int n = until_border(w.at.u, w.at.du, x, t.width, neighbour, count);
+  n = until_border(w.at.v, w.at.dv, y, t.height, neighbour, n);
+  while (n > 1 && !(lies_in(reach_along(w.at.u, w.at.du, w.at.ddu, n), x, t.width, neighbour) &&
+                    lies_in(reach_along(w.at.v, w.at.dv, w.at.ddv, n), y, t.height, neighbour)))
+    n -= 1 + n / 8;
+  return {{t.texels - (y * t.width + x), 2 * t.width}, n};
+}
+
+// A pointer for the kernel if all positions lie in one copy of the level.
 inline bool source_of(const level_view& t, interval u, interval v, int32_t base_u, int32_t base_v, int neighbour, source& out) {
   int32_t x = 0, y = 0;
-  if (!origin_of(u, base_u, t.width, t.wrap_u, neighbour, x) || !origin_of(v, base_v, t.height, t.wrap_v, neighbour, y)) return false;
-  out = {t.texels + (y * t.width + x), 2 * t.width};
+  if (!origin_of(u.low, base_u, t.width, t.wrap_u, x) || !origin_of(v.low, base_v, t.height, t.wrap_v, y)) return false;
+  if (!lies_in(u, x, t.width, neighbour) || !lies_in(v, y, t.height, neighbour)) return false;
+  out = {t.texels - (y * t.width + x), 2 * t.width};
   return true;
+}
+
+// The finer level's walk on the coarser one, for an estimate, and the exact test.
+constexpr walk halved(const walk& w) { return {coarser(w.u), coarser(w.v), w.du >> 1, w.dv >> 1, w.ddu >> 1, w.ddv >> 1}; }
+inline bool coarse_source_of(const level_view& t, const level_walk& w, int count, source& out) {
+  const interval u = reach_along(w.at.u, w.at.du, w.at.ddu, count), v = reach_along(w.at.v, w.at.dv, w.at.ddv, count);
+  return source_of(t, {coarser(u.low), coarser(u.high)}, {coarser(v.low), coarser(v.high)}, w.base_u >> 1, w.base_v >> 1, 1, out);
 }
 
 inline uint32_t wrapped_texel(const level_view& t, int32_t x, int32_t y) {
@@ -105,29 +135,19 @@ inline uint16_t pixel_of(const level_view& t, const level_walk& w) {
 
 // The kernel of a filter of one level.
 template <filter Kind>
-inline void run(uint16_t* out, int count, const walk& at, const source& s) {
+inline void run(uint16_t* out, int count, const walk& at, const source& s, scratch& between) {
   if constexpr (Kind == filter::nearest) nearest_run(out, count, at, s, 0xFFFFFFFFu);
-  else if constexpr (Kind == filter::three_point) three_point_run(out, count, at, s);
-  else bilinear_run(out, count, at, s);
+  else if constexpr (Kind == filter::three_point) three_point_run(out, count, at, s, between);
+  else bilinear_run(out, count, at, s, between);
 }
 
 template <filter Kind>
-[[gnu::noinline]] inline void draw_level(uint16_t* out, int count, const level_view& t, level_walk w) {
-  constexpr int neighbour = Kind == filter::nearest ? 0 : 1;
+[[gnu::noinline]] inline void draw_level(uint16_t* out, int count, const level_view& t, level_walk w, scratch& between) {
   while (count > 0) {
-    int n = count;
-    source s{};
-    while (!detail::source_of(t, detail::reach_along(w.at.u, w.at.du, w.at.ddu, n), detail::reach_along(w.at.v, w.at.dv, w.at.ddv, n), w.base_u, w.base_v,
-                              neighbour, s)) {
-      if (n == 1) { n = 0; break; }
-      n = (n + 1) / 2;
-    }
-    if (n == 0) {
-      *out = pixel_of<Kind>(t, w);
-      n = 1;
-    } else {
-      run<Kind>(out, n, w.at, s);
-    }
+    const detail::place p = detail::place_of(t, w, Kind == filter::nearest ? 0 : 1, count);
+    if (p.count > 0) run<Kind>(out, p.count, w.at, p.s, between);
+    else *out = pixel_of<Kind>(t, w);
+    const int n = max_of(p.count, 1);
     out += n;
     count -= n;
     if (count > 0) w.at = detail::advanced(w.at, n);
@@ -147,23 +167,18 @@ inline uint16_t pixel_between(const level_view& fine, const level_view& coarse, 
   return rounded(between_levels(a, b, f), 2 * weight_bits + blend_bits);
 }
 
-[[gnu::noinline]] inline void draw_between(uint16_t* out, int count, const level_view& fine, const level_view& coarse, level_walk w, level_row level) {
+[[gnu::noinline]] inline void draw_between(uint16_t* out, int count, const level_view& fine, const level_view& coarse, level_walk w, level_run level,
+                                           scratch& between) {
   while (count > 0) {
-    int n = count;
-    source near{}, far{};
-    for (;;) {
-      const detail::interval u = detail::reach_along(w.at.u, w.at.du, w.at.ddu, n), v = detail::reach_along(w.at.v, w.at.dv, w.at.ddv, n);
-      const detail::interval cu{detail::coarser(u.low), detail::coarser(u.high)}, cv{detail::coarser(v.low), detail::coarser(v.high)};
-      if (detail::source_of(fine, u, v, w.base_u, w.base_v, 1, near) && detail::source_of(coarse, cu, cv, w.base_u >> 1, w.base_v >> 1, 1, far)) break;
-      if (n == 1) { n = 0; break; }
-      n = (n + 1) / 2;
-    }
-    if (n == 0) {
-      *out = pixel_between(fine, coarse, w, level.start);
-      n = 1;
-    } else {
-      trilinear_run(out, n, w.at, near, far, level.start, level.step);
-    }
+    const detail::place near = detail::place_of(fine, w, 1, count);
+    const level_walk half{w.base_u >> 1, w.base_v >> 1, detail::halved(w.at)};
+    const detail::place far = detail::place_of(coarse, half, 1, near.count);
+    int n = far.count;
+    source behind = far.s;
+    while (n > 1 && !detail::coarse_source_of(coarse, w, n, behind)) n -= 1 + n / 8;
+    if (n > 0) trilinear_run(out, n, w.at, near.s, behind, level, between);
+    else *out = pixel_between(fine, coarse, w, level.start);
+    n = max_of(n, 1);
     out += n;
     count -= n;
     if (count > 0) {
@@ -181,7 +196,7 @@ constexpr int32_t level_rounding(filter kind) { return kind == filter::mip_bilin
 // Whole levels of a block's pixels, -1 where the map is magnified: linear, so extremes are at corners.
 constexpr interval levels_of(const block& b, int32_t rounding, int last_level) {
   const int last = (1 << b.k) - 1;
-  const level_row top = level_row_at(b, 0), bottom = level_row_at(b, last);
+  const level_run top = level_row_at(b, 0), bottom = level_row_at(b, last);
   const int32_t corners[] = {top.start, top.start + last * top.step, bottom.start, bottom.start + last * bottom.step};
   interval x{corners[0], corners[0]};
   for (int32_t c : corners) x = {c < x.low ? c : x.low, c > x.high ? c : x.high};
@@ -219,7 +234,7 @@ inline bool source_of_coarser(const block& b, const level_view& t, int level, so
 
 // A run of pixels of one row of a block, from its pixel `first`, levels of detail pixel by pixel.
 template <filter Kind>
-[[gnu::noinline]] inline void draw_run(uint16_t* out, int first, int count, const texture_view& t, const block& b, const row& whole, level_row level) {
+[[gnu::noinline]] inline void draw_run(uint16_t* out, int first, int count, const texture_view& t, const block& b, const row& whole, level_run level, scratch& between) {
   const row r = first == 0 ? whole : row{from_pixel(whole.u, first), from_pixel(whole.v, first)};
   level.start += first * level.step + detail::level_rounding(Kind);
   const auto whole_level = [&](int i) { return clamp_to((level.start + i * level.step) >> 16, -1, t.last_level()); };
@@ -230,8 +245,8 @@ template <filter Kind>
     const int fine = max_of(at, 0);
     level_walk w = detail::walk_of(r, b, fine, snap);
     if (done > 0) w.at = detail::advanced(w.at, done);
-    if (Kind == filter::mip_bilinear || at < 0 || at == t.last_level()) draw_level<filter::bilinear>(out + done, n, level_of(t, fine), w);
-    else draw_between(out + done, n, level_of(t, fine), level_of(t, fine + 1), w, {level.start + done * level.step, level.step});
+    if (Kind == filter::mip_bilinear || at < 0 || at == t.last_level()) draw_level<filter::bilinear>(out + done, n, level_of(t, fine), w, between);
+    else draw_between(out + done, n, level_of(t, fine), level_of(t, fine + 1), w, {level.start + done * level.step, level.step}, between);
     done += n;
   }
 }
