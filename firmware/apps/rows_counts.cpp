@@ -18,7 +18,7 @@ using namespace spantex;
 #define SPANTEX_DOWN 1
 #endif
 static constexpr int32_t width = 320 / SPANTEX_DOWN, height = 240 / SPANTEX_DOWN;
-static rows::state memory;
+static rows::state state;
 static uint16_t texels[app::map_texel_count], frame[width * height];
 
 extern "C" {
@@ -32,7 +32,7 @@ static status draw(const homography& m, filter kind, const texture_view& map) {
   count_begin();
   plane p{};
   status s = make_plane(m, screen, p);
-  if (s == status::ok) s = rows::draw_any(kind, memory, target, p, map, screen);
+  if (s == status::ok) s = rows::draw_any(kind, state, target, p, map, screen);
   count_end();
   return s;
 }

@@ -124,9 +124,6 @@ class painter {
     block& b = memory_.coordinates;
     if (!block_at(plane_, x0 >> k, y0 >> k, k, {uses_levels(Kind) ? map_.last_level() : -1, 0}, b)) return false;
     const block_part part{x0, y0, int8_t(left), int8_t(right), int8_t(top), int8_t(bottom)};
-    if constexpr (Kind == filter::nearest) {
-      if (masked_) { each_row(b, part, [&](texel565* out, int first, int count, int j) { masked_row(out, first, count, b, j); }); return true; }
-    }
     if constexpr (uses_levels(Kind)) draw_with_levels(b, part);
     else draw_with_level(b, part, 0, Kind == filter::nearest ? 0 : snap);
     return true;
@@ -156,7 +153,7 @@ class painter {
     walk w{int32_t(uint32_t(r.u.start) + (uint32_t(b.u.base) << 16)), int32_t(uint32_t(r.v.start) + (uint32_t(b.v.base) << 16)), r.u.step, r.v.step,
            r.u.bend, r.v.bend};
     if (first != 0) w = detail::advanced(w, first);
-    nearest_run(out, count, w, source_, masks_);
+    nearest_masked_run(out, count, w, source_, masks_);
   }
 
   static row row_from(const block& b, int j, int first) {
@@ -170,6 +167,10 @@ class painter {
     const level_view t = level_of(map_, level);
     source s{};
     const bool inside = detail::source_of_block(b, t, level, offset, kind == filter::nearest ? 0 : 1, s);
+    if (kind == filter::nearest && masked_ && !inside) {
+      each_row(b, part, [&](texel565* out, int first, int count, int j) { masked_row(out, first, count, b, j); });
+      return;
+    }
     each_row(b, part, [&](texel565* out, int first, int count, int j) {
       const level_walk w = detail::walk_of(row_from(b, j, first), b, level, offset);
       if (inside) run<kind>(out, count, w.at, s, memory_.between);

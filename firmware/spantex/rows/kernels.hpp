@@ -73,11 +73,20 @@ inline halfway four_points(const texel565* p, const source& s, uint32_t fu, uint
 
 }  // namespace detail
 
-// Whole positions wrapped by masks (height - 1 : width - 1), both powers of two.
-inline void nearest_run(uint16_t* out, int count, const walk& from, const source& s, uint32_t masks) {
+inline void nearest_run(uint16_t* out, int count, const walk& from, const source& s) {
 #if SPANTEX_ROWS_DSP
-  if ((from.ddu | from.ddv) == 0) dsp::nearest_straight(out, count, from, detail::address(s), detail::to_bytes(s), masks);
-  else dsp::nearest_bent(out, count, from, detail::address(s), detail::to_bytes(s), masks);
+  if ((from.ddu | from.ddv) == 0) dsp::nearest_straight(out, count, from, detail::address(s), detail::to_bytes(s));
+  else dsp::nearest_bent(out, count, from, detail::address(s), detail::to_bytes(s));
+#else
+  for (walk at = from; count > 0; --count, at.step()) *out++ = *detail::texel_at(s, upper_halves(at.v, at.u));
+#endif
+}
+
+// Whole positions wrapped by masks (height - 1 : width - 1), both powers of two.
+inline void nearest_masked_run(uint16_t* out, int count, const walk& from, const source& s, uint32_t masks) {
+#if SPANTEX_ROWS_DSP
+  if ((from.ddu | from.ddv) == 0) dsp::nearest_masked_straight(out, count, from, detail::address(s), detail::to_bytes(s), masks);
+  else dsp::nearest_masked_bent(out, count, from, detail::address(s), detail::to_bytes(s), masks);
 #else
   for (walk at = from; count > 0; --count, at.step()) *out++ = *detail::texel_at(s, upper_halves(at.v, at.u) & masks);
 #endif
@@ -101,7 +110,8 @@ inline void nearest_run(uint16_t* out, int count, const walk& from, const source
 
 [[gnu::noinline]] inline void three_point_run(uint16_t* out, int count, const walk& from, const source& s, scratch& between) {
 #if SPANTEX_ROWS_DSP
-  dsp::places(between.words, count, from, detail::address(s), detail::to_bytes(s));
+  if ((from.ddu | from.ddv) == 0) dsp::places_straight(between.words, count, from, detail::address(s), detail::to_bytes(s));
+  else dsp::places(between.words, count, from, detail::address(s), detail::to_bytes(s));
   dsp::three_points(out, between.words, count, uint32_t(s.pitch_bytes));
 #else
   (void)between;
@@ -123,10 +133,12 @@ inline void nearest_run(uint16_t* out, int count, const walk& from, const source
 [[gnu::noinline]] inline void trilinear_run(uint16_t* out, int count, walk at, const source& fine, const source& coarse, level_run level, scratch& between) {
 #if SPANTEX_ROWS_DSP
   constexpr int most = dsp::scratch_words / 6;
+  const bool straight = (at.ddu | at.ddv | level.step) == 0;
   const dsp::two_levels levels{detail::address(fine), detail::to_bytes(fine), detail::address(coarse), detail::to_bytes(coarse), at.ddu, at.ddv, level.step};
   for (; count > 0; count -= most, out += most) {
     const int n = min_of(count, most);
-    dsp::places_of_two(between.words, n, at, level.start, levels);
+    if (straight) dsp::places_of_two_straight(between.words, n, at, level.start, levels);
+    else dsp::places_of_two(between.words, n, at, level.start, levels);
     dsp::eight_points(out, between.words, n, uint32_t(fine.pitch_bytes));
   }
 #else

@@ -13,43 +13,51 @@
 namespace spantex::rows::dsp {
 
 // clang-format off
-#define SPANTEX_STRAIGHT "pkhtb %[t], %[v], %[u], asr #16\n and %[t], %[t], %[m]\n smlad %[t], %[t], %[k], %[o]\n ldrh %[t], [%[t]]\n" \
-                         "add %[u], %[u], %[du]\n add %[v], %[v], %[dv]\n strh %[t], [%[out]], #2\n"
-#define SPANTEX_BENT     SPANTEX_STRAIGHT "add %[du], %[du], %[ddu]\n add %[dv], %[dv], %[ddv]\n"
+#define SPANTEX_PIXEL(MASK, STEP) "pkhtb %[t], %[v], %[u], asr #16\n" MASK "smlad %[t], %[t], %[k], %[o]\n ldrh %[t], [%[t]]\n" \
+                                  "add %[u], %[u], %[du]\n add %[v], %[v], %[dv]\n strh %[t], [%[out]], #2\n" STEP
+#define SPANTEX_8_PIXELS(PIXEL) "subs %[n], %[n], #8\n blt 2f\n 1:\n" PIXEL PIXEL PIXEL PIXEL PIXEL PIXEL PIXEL PIXEL "subs %[n], %[n], #8\n bge 1b\n" \
+                                "2: adds %[n], %[n], #8\n beq 4f\n 3:\n" PIXEL "subs %[n], %[n], #1\n bne 3b\n 4:\n"
+#define SPANTEX_MASK "and %[t], %[t], %[m]\n"
+#define SPANTEX_BEND "add %[du], %[du], %[ddu]\n add %[dv], %[dv], %[ddv]\n"
 // clang-format on
 
-// Texels at (v : u) & masks, one after the other. to_bytes, origin: detail::texel_at.
-inline void nearest_straight(uint16_t* out, int count, const walk& at, uint32_t origin, uint32_t to_bytes, uint32_t masks) {
+// Texels at (v : u), maybe & masks, one after the other. to_bytes, origin: kernels.hpp.
+inline void nearest_straight(uint16_t* out, int count, const walk& at, uint32_t origin, uint32_t to_bytes) {
   uint32_t t;
   int32_t u = at.u, v = at.v;
-  asm volatile(
-      "subs %[n], %[n], #8\n blt 2f\n"
-      "1:\n" SPANTEX_STRAIGHT SPANTEX_STRAIGHT SPANTEX_STRAIGHT SPANTEX_STRAIGHT SPANTEX_STRAIGHT SPANTEX_STRAIGHT SPANTEX_STRAIGHT SPANTEX_STRAIGHT
-      "subs %[n], %[n], #8\n bge 1b\n"
-      "2: adds %[n], %[n], #8\n beq 4f\n"
-      "3:\n" SPANTEX_STRAIGHT "subs %[n], %[n], #1\n bne 3b\n"
-      "4:\n"
-      : [out] "+r"(out), [n] "+r"(count), [u] "+r"(u), [v] "+r"(v), [t] "=&r"(t)
-      : [du] "r"(at.du), [dv] "r"(at.dv), [k] "r"(to_bytes), [o] "r"(origin), [m] "r"(masks)
-      : "memory", "cc");
+  asm volatile(SPANTEX_8_PIXELS(SPANTEX_PIXEL("", ""))
+               : [out] "+r"(out), [n] "+r"(count), [u] "+r"(u), [v] "+r"(v), [t] "=&r"(t)
+               : [du] "r"(at.du), [dv] "r"(at.dv), [k] "r"(to_bytes), [o] "r"(origin)
+               : "memory", "cc");
 }
-
-inline void nearest_bent(uint16_t* out, int count, const walk& at, uint32_t origin, uint32_t to_bytes, uint32_t masks) {
+inline void nearest_masked_straight(uint16_t* out, int count, const walk& at, uint32_t origin, uint32_t to_bytes, uint32_t masks) {
+  uint32_t t;
+  int32_t u = at.u, v = at.v;
+  asm volatile(SPANTEX_8_PIXELS(SPANTEX_PIXEL(SPANTEX_MASK, ""))
+               : [out] "+r"(out), [n] "+r"(count), [u] "+r"(u), [v] "+r"(v), [t] "=&r"(t)
+               : [du] "r"(at.du), [dv] "r"(at.dv), [k] "r"(to_bytes), [o] "r"(origin), [m] "r"(masks)
+               : "memory", "cc");
+}
+inline void nearest_bent(uint16_t* out, int count, const walk& at, uint32_t origin, uint32_t to_bytes) {
   uint32_t t;
   int32_t u = at.u, v = at.v, du = at.du, dv = at.dv;
-  asm volatile(
-      "subs %[n], %[n], #8\n blt 2f\n"
-      "1:\n" SPANTEX_BENT SPANTEX_BENT SPANTEX_BENT SPANTEX_BENT SPANTEX_BENT SPANTEX_BENT SPANTEX_BENT SPANTEX_BENT
-      "subs %[n], %[n], #8\n bge 1b\n"
-      "2: adds %[n], %[n], #8\n beq 4f\n"
-      "3:\n" SPANTEX_BENT "subs %[n], %[n], #1\n bne 3b\n"
-      "4:\n"
-      : [out] "+r"(out), [n] "+r"(count), [u] "+r"(u), [v] "+r"(v), [du] "+r"(du), [dv] "+r"(dv), [t] "=&r"(t)
-      : [ddu] "r"(at.ddu), [ddv] "r"(at.ddv), [k] "r"(to_bytes), [o] "r"(origin), [m] "r"(masks)
-      : "memory", "cc");
+  asm volatile(SPANTEX_8_PIXELS(SPANTEX_PIXEL("", SPANTEX_BEND))
+               : [out] "+r"(out), [n] "+r"(count), [u] "+r"(u), [v] "+r"(v), [du] "+r"(du), [dv] "+r"(dv), [t] "=&r"(t)
+               : [ddu] "r"(at.ddu), [ddv] "r"(at.ddv), [k] "r"(to_bytes), [o] "r"(origin)
+               : "memory", "cc");
 }
-#undef SPANTEX_STRAIGHT
-#undef SPANTEX_BENT
+inline void nearest_masked_bent(uint16_t* out, int count, const walk& at, uint32_t origin, uint32_t to_bytes, uint32_t masks) {
+  uint32_t t;
+  int32_t u = at.u, v = at.v, du = at.du, dv = at.dv;
+  asm volatile(SPANTEX_8_PIXELS(SPANTEX_PIXEL(SPANTEX_MASK, SPANTEX_BEND))
+               : [out] "+r"(out), [n] "+r"(count), [u] "+r"(u), [v] "+r"(v), [du] "+r"(du), [dv] "+r"(dv), [t] "=&r"(t)
+               : [ddu] "r"(at.ddu), [ddv] "r"(at.ddv), [k] "r"(to_bytes), [o] "r"(origin), [m] "r"(masks)
+               : "memory", "cc");
+}
+#undef SPANTEX_PIXEL
+#undef SPANTEX_8_PIXELS
+#undef SPANTEX_MASK
+#undef SPANTEX_BEND
 
 inline constexpr int scratch_words = 6 * 16;  // between the two loops of a filter: 32 pixels of bilinear, 16 of trilinear
 
@@ -122,7 +130,10 @@ inline constexpr int scratch_words = 6 * 16;  // between the two loops of a filt
 #undef SPANTEX_FILTER
 
 // clang-format off
-#define SPANTEX_POSITION "pkhtb r4, %[v], %[u], asr #16\n smlad r4, r4, %[k], %[o]\n stmia %[to]!, {r4, r5, r6}\n" SPANTEX_STEP
+#define SPANTEX_POSITION "pkhtb r4, %[v], %[u], asr #16\n smlad r4, r4, %[k], %[o]\n stmia %[to]!, {r4, r5, r6}\n add %[u], %[u], %[du]\n add %[v], %[v], %[dv]\n"
+#define SPANTEX_BEND     "add %[du], %[du], %[ddu]\n add %[dv], %[dv], %[ddv]\n"
+#define SPANTEX_4_PIXELS(PIXEL) "subs %[n], %[n], #4\n blt 2f\n 1:\n" PIXEL PIXEL PIXEL PIXEL "subs %[n], %[n], #4\n bge 1b\n" \
+                                "2: adds %[n], %[n], #4\n beq 4f\n 3:\n" PIXEL "subs %[n], %[n], #1\n bne 3b\n 4:\n"
 // clang-format on
 
 // Addresses and positions, three words a pixel.
@@ -130,42 +141,50 @@ inline constexpr int scratch_words = 6 * 16;  // between the two loops of a filt
   int32_t du = at.du, dv = at.dv;
   register int32_t u asm("r5") = at.u;
   register int32_t v asm("r6") = at.v;
-  asm volatile(
-      "subs %[n], %[n], #4\n blt 2f\n"
-      "1:\n" SPANTEX_POSITION SPANTEX_POSITION SPANTEX_POSITION SPANTEX_POSITION
-      "subs %[n], %[n], #4\n bge 1b\n"
-      "2: adds %[n], %[n], #4\n beq 4f\n"
-      "3:\n" SPANTEX_POSITION "subs %[n], %[n], #1\n bne 3b\n"
-      "4:\n"
-      : [to] "+r"(to), [n] "+r"(count), [u] "+r"(u), [v] "+r"(v), [du] "+r"(du), [dv] "+r"(dv)
-      : [ddu] "r"(at.ddu), [ddv] "r"(at.ddv), [k] "r"(to_bytes), [o] "r"(origin)
-      : "r4", "memory", "cc");
+  asm volatile(SPANTEX_4_PIXELS(SPANTEX_POSITION SPANTEX_BEND)
+               : [to] "+r"(to), [n] "+r"(count), [u] "+r"(u), [v] "+r"(v), [du] "+r"(du), [dv] "+r"(dv)
+               : [ddu] "r"(at.ddu), [ddv] "r"(at.ddv), [k] "r"(to_bytes), [o] "r"(origin)
+               : "r4", "memory", "cc");
+}
+[[gnu::always_inline]] inline void places_straight(uint32_t* to, int count, const walk& at, uint32_t origin, uint32_t to_bytes) {
+  register int32_t u asm("r5") = at.u;
+  register int32_t v asm("r6") = at.v;
+  asm volatile(SPANTEX_4_PIXELS(SPANTEX_POSITION)
+               : [to] "+r"(to), [n] "+r"(count), [u] "+r"(u), [v] "+r"(v)
+               : [du] "r"(at.du), [dv] "r"(at.dv), [k] "r"(to_bytes), [o] "r"(origin)
+               : "r4", "memory", "cc");
 }
 #undef SPANTEX_POSITION
+#undef SPANTEX_BEND
+#undef SPANTEX_4_PIXELS
 
+// t00 (32 - high) + side d1 + ... as 32 t00 + (side - t00) high + (t11 - side) low; the two triangles part by a branch.
 // clang-format off
-#define SPANTEX_FILTER "ldmia %[from]!, {r4, r5, r6}\n ldr %[x], [r4]\n ldr %[y], [r4, %[pitch]]\n ubfx r5, r5, #11, #5\n ubfx r6, r6, #11, #5\n" \
-                       "pkhbt %[s], %[y], %[y], lsl #16\n subs r6, r6, r5\n" \
-                       "ittt lt\n rsblt r6, r6, #0\n sublt r5, r5, r6\n pkhtblt %[s], %[x], %[x], asr #16\n" \
-                       "and %[s], %[s], %[mask]\n mla %[s], %[s], r6, %[half]\n" \
-                       "pkhtb %[y], %[y], %[y], asr #16\n and %[y], %[y], %[mask]\n mla %[s], %[y], r5, %[s]\n" \
-                       "pkhbt %[x], %[x], %[x], lsl #16\n add r6, r6, r5\n and %[x], %[x], %[mask]\n rsb r6, r6, #32\n mla %[s], %[x], r6, %[s]\n" \
-                       "and %[s], %[mask], %[s], lsr #5\n orr %[s], %[s], %[s], lsr #16\n strh %[s], [%[out]], #2\n"
+#define SPANTEX_HEAD "ldmia %[from]!, {r4, r5, r6}\n ldr %[x], [r4]\n ldr %[y], [r4, %[pitch]]\n ubfx r5, r5, #11, #5\n ubfx r6, r6, #11, #5\n cmp r6, r5\n"
+#define SPANTEX_TAIL(HIGH, LOW) "and %[s], %[s], %[mask]\n pkhtb %[y], %[y], %[y], asr #16\n pkhbt %[x], %[x], %[x], lsl #16\n" \
+                      "and %[y], %[y], %[mask]\n and %[x], %[x], %[mask]\n" \
+                      "sub %[y], %[y], %[s]\n sub %[s], %[s], %[x]\n add %[x], %[half], %[x], lsl #5\n mla %[x], %[s], " HIGH ", %[x]\n mla %[x], %[y], " LOW ", %[x]\n" \
+                      "and %[x], %[mask], %[x], lsr #5\n orr %[x], %[x], %[x], lsr #16\n strh %[x], [%[out]], #2\n"
+#define SPANTEX_LEFT  "pkhbt %[s], %[y], %[y], lsl #16\n" SPANTEX_TAIL("r6", "r5")
+#define SPANTEX_RIGHT "pkhtb %[s], %[x], %[x], asr #16\n" SPANTEX_TAIL("r5", "r6")
 // clang-format on
 
 [[gnu::always_inline]] inline void three_points(uint16_t* out, const uint32_t* from, int count, uint32_t pitch_bytes) {
   uint32_t x, y, s;
   asm volatile(
-      "subs %[n], %[n], #2\n blt 2f\n"
-      "1:\n" SPANTEX_FILTER SPANTEX_FILTER
-      "subs %[n], %[n], #2\n bge 1b\n"
-      "2: adds %[n], %[n], #2\n beq 4f\n" SPANTEX_FILTER
-      "4:\n"
+      "1:\n" SPANTEX_HEAD "blt 2f\n" SPANTEX_LEFT
+      "subs %[n], %[n], #1\n bne 1b\n b 3f\n"
+      "2:\n" SPANTEX_RIGHT
+      "subs %[n], %[n], #1\n bne 1b\n"
+      "3:\n"
       : [out] "+r"(out), [from] "+r"(from), [n] "+r"(count), [x] "=&r"(x), [y] "=&r"(y), [s] "=&r"(s)
       : [mask] "r"(spread_mask), [half] "r"((1u | 1u << 11 | 1u << 21) << 4), [pitch] "r"(pitch_bytes)
       : "r4", "r5", "r6", "memory", "cc");
 }
-#undef SPANTEX_FILTER
+#undef SPANTEX_HEAD
+#undef SPANTEX_TAIL
+#undef SPANTEX_LEFT
+#undef SPANTEX_RIGHT
 #undef SPANTEX_STEP
 
 // What the first loop of trilinear keeps in memory.
@@ -202,8 +221,7 @@ inline void places_of_two(uint32_t* to, int count, walk& at, int32_t& level, con
       "ubfx r5, %[level], #12, #4\n"
       "mul %[w], %[w], r5\n"
       "mul r6, %[w], r6\n"
-      "rsb %[w], r6, %[w], lsl #5\n"
-      "mov r5, %[w]\n"
+      "rsb r5, r6, %[w], lsl #5\n"
       "ldrd r8, r9, [%[s], #8]\n"
       "smlad r4, r4, r9, r8\n"
       "stmia %[to]!, {r4, r5, r6}\n"
@@ -218,6 +236,46 @@ inline void places_of_two(uint32_t* to, int count, walk& at, int32_t& level, con
       "bne 1b\n"
       : [to] "+r"(to), [n] "+r"(count), [u] "+r"(at.u), [v] "+r"(at.v), [du] "+r"(at.du), [dv] "+r"(at.dv), [level] "+r"(level), [w] "=&r"(w)
       : [s] "r"(&s)
+      : "r4", "r5", "r6", "r8", "r9", "memory", "cc");
+}
+
+// The same where neither steps nor the level of detail change.
+inline void places_of_two_straight(uint32_t* to, int count, walk& at, int32_t level, const two_levels& s) {
+  uint32_t w;
+  const uint32_t f = uint32_t(level) >> 12 & 15;
+  asm volatile(
+      "1: ldrd r5, r6, [%[s], #0]\n"
+      "pkhtb r4, %[v], %[u], asr #16\n"
+      "smlad r4, r4, r6, r5\n"
+      "ubfx r5, %[u], #11, #5\n"
+      "rsb r6, %[f], #16\n"
+      "rsb %[w], r5, #32\n"
+      "orr %[w], %[w], r5, lsl #16\n"
+      "ubfx r5, %[v], #11, #5\n"
+      "mul %[w], %[w], r6\n"
+      "mul r6, %[w], r5\n"
+      "rsb r5, r6, %[w], lsl #5\n"
+      "stmia %[to]!, {r4, r5, r6}\n"
+      "ldrd r8, r9, [%[s], #8]\n"
+      "sub r6, %[v], #0x7C00\n"
+      "sub r5, %[u], #0x7C00\n"
+      "asr r4, r6, #1\n"
+      "add %[u], %[u], %[du]\n"
+      "pkhtb r4, r4, r5, asr #17\n"
+      "add %[v], %[v], %[dv]\n"
+      "smlad r4, r4, r9, r8\n"
+      "ubfx r6, r6, #12, #5\n"
+      "ubfx r5, r5, #12, #5\n"
+      "rsb %[w], r5, #32\n"
+      "orr %[w], %[w], r5, lsl #16\n"
+      "mul %[w], %[w], %[f]\n"
+      "subs %[n], %[n], #1\n"
+      "mul r6, %[w], r6\n"
+      "rsb r5, r6, %[w], lsl #5\n"
+      "stmia %[to]!, {r4, r5, r6}\n"
+      "bne 1b\n"
+      : [to] "+r"(to), [n] "+r"(count), [u] "+r"(at.u), [v] "+r"(at.v), [w] "=&r"(w)
+      : [du] "r"(at.du), [dv] "r"(at.dv), [f] "r"(f), [s] "r"(&s)
       : "r4", "r5", "r6", "r8", "r9", "memory", "cc");
 }
 

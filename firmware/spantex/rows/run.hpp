@@ -40,8 +40,11 @@ constexpr row_axis scaled(const row_axis& x, int32_t base, int level, int unit_l
 }
 
 constexpr level_walk walk_of(const row& r, const block& b, int level, int32_t offset) {
+  const int32_t base_u = (b.u.base >> (level + 1)) * 2, base_v = (b.v.base >> (level + 1)) * 2;
+  if (level == 0 && b.unit_log2 == 0)
+    return {base_u, base_v, {r.u.start + ((b.u.base & 1) << 16) + offset, r.v.start + ((b.v.base & 1) << 16) + offset, r.u.step, r.v.step, r.u.bend, r.v.bend}};
   const row_axis u = scaled(r.u, b.u.base, level, b.unit_log2, offset), v = scaled(r.v, b.v.base, level, b.unit_log2, offset);
-  return {(b.u.base >> (level + 1)) * 2, (b.v.base >> (level + 1)) * 2, {u.start, v.start, u.step, v.step, u.bend, v.bend}};
+  return {base_u, base_v, {u.start, v.start, u.step, v.step, u.bend, v.bend}};
 }
 
 SPANTEX_WRAPS constexpr walk advanced(const walk& w, int i) {
@@ -72,52 +75,53 @@ constexpr bool origin_of(int32_t position, int32_t base, int32_t size, wrap mode
   return true;
 }
 
-// Whether all texels of an interval lie in that copy.
-constexpr bool lies_in(interval x, int32_t origin, int32_t size, int neighbour) { return (x.low >> 16) >= origin && (x.high >> 16) + neighbour < origin + size; }
+// Positions whose texels all lie in that copy: [first, end).
+struct borders { int32_t first, end; };
+constexpr borders borders_of(int32_t origin, int32_t size, int neighbour) { return {origin * (1 << 16), (origin + size - neighbour) * (1 << 16)}; }
+constexpr bool lies_in(interval x, borders b) { return x.low >= b.first && x.high < b.end; }
 
-// Pixels that go by before a position that changes by `step` leaves the copy: 0 if it is on the border now, at most `count`.
-constexpr int until_border(int32_t position, int32_t step, int32_t origin, int32_t size, int neighbour, int count) {
-  const int32_t first = origin * (1 << 16), end = (origin + size - neighbour) * (1 << 16);
-  if (position >= end) return 0;
+// Those of the coarser level as positions of the finer one, whose (fine + snap) / 2 they bound.
+constexpr borders of_finer(borders coarse) { return {2 * coarse.first - snap, 2 * coarse.end - snap}; }
+constexpr borders within_both(borders a, borders b) { return {a.first > b.first ? a.first : b.first, a.end < b.end ? a.end : b.end}; }
+
+// Pixels until a position that changes by `step` has left its borders: 0 if it is not within them now, at most `count`.
+constexpr int until_border(int32_t position, int32_t step, borders b, int count) {
+  if (position >= b.end || position < b.first) return 0;
   if (step == 0) return count;
-  const int32_t n = step > 0 ? (end - 1 - position) / step : (position - first) / -step;
+  const int32_t n = step > 0 ? (b.end - 1 - position) / step : (position - b.first) / -step;
   return n < count ? n + 1 : count;
 }
+constexpr int until_border(const walk& w, borders u, borders v, int count) {
+  int n = until_border(w.v, w.dv, v, until_border(w.u, w.du, u, count));
+  if ((w.ddu | w.ddv) != 0)
+    while (n > 1 && !(lies_in(reach_along(w.u, w.du, w.ddu, n), u) && lies_in(reach_along(w.v, w.dv, w.ddv, n), v))) n -= 1 + n / 8;
+  return n;
+}
 
-// The longest run from here, at most `count`, whose texels lie in one copy of the level, and the pointer for its kernel. 0: the pixel's texels do not.
-struct place { source s; int count; };
-inline place place_of(const level_view& t, const level_walk& w, int neighbour, int count) {
+// The copy of a level that holds a pair of positions.
+struct copy { borders u, v; source s; };
+inline bool copy_of(const level_view& t, int32_t u, int32_t v, int32_t base_u, int32_t base_v, int neighbour, copy& out) {
   int32_t x = 0, y = 0;
-  if (!origin_of(w.at.u, w.base_u, t.width, t.wrap_u, x) || !origin_of(w.at.v, w.base_v, t.height, t.wrap_v, y)) return {{}, 0};
-  int n = until_border(w.at.u, w.at.du, x, t.width, neighbour, count);
-  n = until_border(w.at.v, w.at.dv, y, t.height, neighbour, n);
-  while (n > 1 && !(lies_in(reach_along(w.at.u, w.at.du, w.at.ddu, n), x, t.width, neighbour) &&
-                    lies_in(reach_along(w.at.v, w.at.dv, w.at.ddv, n), y, t.height, neighbour)))
-    n -= 1 + n / 8;
-  return {{t.texels - (y * t.width + x), 2 * t.width}, n};
+  if (!origin_of(u, base_u, t.width, t.wrap_u, x) || !origin_of(v, base_v, t.height, t.wrap_v, y)) return false;
+  out = {borders_of(x, t.width, neighbour), borders_of(y, t.height, neighbour), {t.texels - (y * t.width + x), 2 * t.width}};
+  return true;
 }
 
 // A pointer for the kernel if all positions lie in one copy of the level.
 inline bool source_of(const level_view& t, interval u, interval v, int32_t base_u, int32_t base_v, int neighbour, source& out) {
-  int32_t x = 0, y = 0;
-  if (!origin_of(u.low, base_u, t.width, t.wrap_u, x) || !origin_of(v.low, base_v, t.height, t.wrap_v, y)) return false;
-  if (!lies_in(u, x, t.width, neighbour) || !lies_in(v, y, t.height, neighbour)) return false;
-  out = {t.texels - (y * t.width + x), 2 * t.width};
+  copy c{};
+  if (!copy_of(t, u.low, v.low, base_u, base_v, neighbour, c) || !lies_in(u, c.u) || !lies_in(v, c.v)) return false;
+  out = c.s;
   return true;
-}
-
-// The finer level's walk on the coarser one, for an estimate, and the exact test.
-constexpr walk halved(const walk& w) { return {coarser(w.u), coarser(w.v), w.du >> 1, w.dv >> 1, w.ddu >> 1, w.ddv >> 1}; }
-inline bool coarse_source_of(const level_view& t, const level_walk& w, int count, source& out) {
-  const interval u = reach_along(w.at.u, w.at.du, w.at.ddu, count), v = reach_along(w.at.v, w.at.dv, w.at.ddv, count);
-  return source_of(t, {coarser(u.low), coarser(u.high)}, {coarser(v.low), coarser(v.high)}, w.base_u >> 1, w.base_v >> 1, 1, out);
 }
 
 inline uint32_t wrapped_texel(const level_view& t, int32_t x, int32_t y) {
   return t.texels[wrapped(t.wrap_v, y, t.height) * t.width + wrapped(t.wrap_u, x, t.width)];
 }
 inline texels wrapped_texels(const level_view& t, int32_t x, int32_t y) {
-  return {wrapped_texel(t, x, y), wrapped_texel(t, x + 1, y), wrapped_texel(t, x, y + 1), wrapped_texel(t, x + 1, y + 1)};
+  const int32_t x0 = wrapped(t.wrap_u, x, t.width), x1 = wrapped(t.wrap_u, x + 1, t.width);
+  const texel565 *const top = t.texels + wrapped(t.wrap_v, y, t.height) * t.width, *const bottom = t.texels + wrapped(t.wrap_v, y + 1, t.height) * t.width;
+  return {top[x0], top[x1], bottom[x0], bottom[x1]};
 }
 
 }  // namespace detail
@@ -136,7 +140,7 @@ inline uint16_t pixel_of(const level_view& t, const level_walk& w) {
 // The kernel of a filter of one level.
 template <filter Kind>
 inline void run(uint16_t* out, int count, const walk& at, const source& s, scratch& between) {
-  if constexpr (Kind == filter::nearest) nearest_run(out, count, at, s, 0xFFFFFFFFu);
+  if constexpr (Kind == filter::nearest) nearest_run(out, count, at, s);
   else if constexpr (Kind == filter::three_point) three_point_run(out, count, at, s, between);
   else bilinear_run(out, count, at, s, between);
 }
@@ -144,10 +148,12 @@ inline void run(uint16_t* out, int count, const walk& at, const source& s, scrat
 template <filter Kind>
 [[gnu::noinline]] inline void draw_level(uint16_t* out, int count, const level_view& t, level_walk w, scratch& between) {
   while (count > 0) {
-    const detail::place p = detail::place_of(t, w, Kind == filter::nearest ? 0 : 1, count);
-    if (p.count > 0) run<Kind>(out, p.count, w.at, p.s, between);
+    detail::copy c{};
+    int n = 0;
+    if (detail::copy_of(t, w.at.u, w.at.v, w.base_u, w.base_v, Kind == filter::nearest ? 0 : 1, c)) n = detail::until_border(w.at, c.u, c.v, count);
+    if (n > 0) run<Kind>(out, n, w.at, c.s, between);
     else *out = pixel_of<Kind>(t, w);
-    const int n = max_of(p.count, 1);
+    n = max_of(n, 1);
     out += n;
     count -= n;
     if (count > 0) w.at = detail::advanced(w.at, n);
@@ -170,13 +176,12 @@ inline uint16_t pixel_between(const level_view& fine, const level_view& coarse, 
 [[gnu::noinline]] inline void draw_between(uint16_t* out, int count, const level_view& fine, const level_view& coarse, level_walk w, level_run level,
                                            scratch& between) {
   while (count > 0) {
-    const detail::place near = detail::place_of(fine, w, 1, count);
-    const level_walk half{w.base_u >> 1, w.base_v >> 1, detail::halved(w.at)};
-    const detail::place far = detail::place_of(coarse, half, 1, near.count);
-    int n = far.count;
-    source behind = far.s;
-    while (n > 1 && !detail::coarse_source_of(coarse, w, n, behind)) n -= 1 + n / 8;
-    if (n > 0) trilinear_run(out, n, w.at, near.s, behind, level, between);
+    detail::copy near{}, far{};
+    int n = 0;
+    if (detail::copy_of(fine, w.at.u, w.at.v, w.base_u, w.base_v, 1, near) &&
+        detail::copy_of(coarse, detail::coarser(w.at.u), detail::coarser(w.at.v), w.base_u >> 1, w.base_v >> 1, 1, far))
+      n = detail::until_border(w.at, detail::within_both(near.u, detail::of_finer(far.u)), detail::within_both(near.v, detail::of_finer(far.v)), count);
+    if (n > 0) trilinear_run(out, n, w.at, near.s, far.s, level, between);
     else *out = pixel_between(fine, coarse, w, level.start);
     n = max_of(n, 1);
     out += n;
