@@ -77,8 +77,8 @@ constexpr bool bends_little(const block& o, int32_t reach) {
 // Level of detail: KT88's formula about the pixel interval, log2 K - 2 log2 W - 1, with an extra bias in 1/16 level.
 constexpr int32_t level_at_centre(const plane& p, int64_t w, int bias) { return p.major_log2 - 2 * log2_16(uint64_t(w)) - (1 << 16) + bias * (1 << 12); }
 
-// A unit is a texel of the level above the finer one of the centre; of level 0 for filters without levels.
-constexpr int unit_of(int32_t level, int last_level) { return clamp_to((level >> 16) - 1, 0, last_level); }
+// A unit is a texel of the finer level at the centre; of level 0 for filters without levels.
+constexpr int unit_of(int32_t level, int last_level) { return clamp_to(level >> 16, 0, last_level); }
 
 }  // namespace detail
 
@@ -161,6 +161,5 @@ constexpr level_run level_row_at(const block& b, int j) {
 
 // Position of pixel i of a row: what every kernel's additions amount to.
 constexpr int32_t position_at(const row_axis& x, int i) { return x.start + i * x.step + i * (i - 1) / 2 * x.bend; }
-constexpr row_axis from_pixel(const row_axis& x, int i) { return {position_at(x, i), x.step + i * x.bend, x.bend}; }
 
 }  // namespace spantex::rows

@@ -89,12 +89,7 @@ template <filter Kind, class Target, class Cover>
 class painter {
  public:
   painter(const plane& p, const texture_view& t, const Target& target, rectangle area, const Cover& cover, state& memory)
-      : plane_(p), map_(t), target_(target), memory_(memory), area_(area), cover_(cover) {
-    const level_view map = level_of(t, 0);
-    masked_ = wraps_by_mask(map);
-    source_ = {map.texels, 2 * map.width};
-    masks_ = uint32_t(map.height - 1) << 16 | uint32_t(map.width - 1);
-  }
+      : plane_(p), map_(t), target_(target), memory_(memory), area_(area), cover_(cover), masked_(wraps_by_mask(level_of(t, 0))) {}
 
   void draw() {
     constexpr int side = detail::largest_side;
@@ -147,18 +142,10 @@ class painter {
     }
   }
 
-  // The whole map repeats in powers of two: masks wrap.
-  SPANTEX_WRAPS [[gnu::always_inline]] void masked_row(texel565* out, int first, int count, const block& b, int j) {
-    const row r = row_at(b, j);
-    walk w{int32_t(uint32_t(r.u.start) + (uint32_t(b.u.base) << 16)), int32_t(uint32_t(r.v.start) + (uint32_t(b.v.base) << 16)), r.u.step, r.v.step,
-           r.u.bend, r.v.bend};
-    if (first != 0) w = detail::advanced(w, first);
-    nearest_masked_run(out, count, w, source_, masks_);
-  }
-
-  static row row_from(const block& b, int j, int first) {
-    const row r = row_at(b, j);
-    return first == 0 ? r : row{from_pixel(r.u, first), from_pixel(r.v, first)};
+  // From pixel `first` of row j.
+  [[gnu::always_inline]] static walk walk_from(const block& b, int j, int first, int level, int32_t offset) {
+    const walk w = detail::walk_of(row_at(b, j), b, level, offset);
+    return first == 0 ? w : detail::advanced(w, first);
   }
 
   // All pixels on one level.
@@ -166,15 +153,28 @@ class painter {
     constexpr filter kind = uses_levels(Kind) ? filter::bilinear : Kind;
     const level_view t = level_of(map_, level);
     source s{};
-    const bool inside = detail::source_of_block(b, t, level, offset, kind == filter::nearest ? 0 : 1, s);
-    if (kind == filter::nearest && masked_ && !inside) {
-      each_row(b, part, [&](texel565* out, int first, int count, int j) { masked_row(out, first, count, b, j); });
-      return;
+    if (detail::source_of_block(b, t, level, offset, kind == filter::nearest ? 0 : 1, s)) {
+      each_row(b, part, [&](texel565* out, int first, int count, int j) { run<kind>(out, count, walk_from(b, j, first, level, offset), s, memory_.between); });
+    } else if (kind == filter::nearest && masked_) {
+      draw_masked(b, part);
+    } else {
+      const int32_t u = detail::base_on(level, b.u.base), v = detail::base_on(level, b.v.base);
+      each_row(b, part, [&](texel565* out, int first, int count, int j) {
+        draw_level<kind>(out, count, t, {u, v, walk_from(b, j, first, level, offset)}, memory_.between);
+      });
     }
+  }
+
+  // Texels of level 0 of a map that repeats in powers of two: masks wrap, no run is cut.
+  SPANTEX_WRAPS [[gnu::noinline]] void draw_masked(const block& b, const block_part& part) {
+    const uint32_t u = uint32_t(detail::base_on(0, b.u.base)) << 16, v = uint32_t(detail::base_on(0, b.v.base)) << 16;
+    const uint32_t masks = uint32_t(map_.height() - 1) << 16 | uint32_t(map_.width() - 1);
+    const source s{map_.numbers(0), 2 * map_.width()};
     each_row(b, part, [&](texel565* out, int first, int count, int j) {
-      const level_walk w = detail::walk_of(row_from(b, j, first), b, level, offset);
-      if (inside) run<kind>(out, count, w.at, s, memory_.between);
-      else draw_level<kind>(out, count, t, w, memory_.between);
+      walk w = walk_from(b, j, first, 0, 0);
+      w.u = int32_t(uint32_t(w.u) + u);
+      w.v = int32_t(uint32_t(w.v) + v);
+      nearest_masked_run(out, count, w, s, masks);
     });
   }
 
@@ -183,12 +183,13 @@ class painter {
     const level_view t = level_of(map_, level), next = level_of(map_, level + 1);
     source near{}, far{};
     const bool inside = detail::source_of_block(b, t, level, snap, 1, near) && detail::source_of_coarser(b, next, level, far);
+    const int32_t u = detail::base_on(level, b.u.base), v = detail::base_on(level, b.v.base);
     each_row(b, part, [&](texel565* out, int first, int count, int j) {
-      const level_walk w = detail::walk_of(row_from(b, j, first), b, level, snap);
+      const walk w = walk_from(b, j, first, level, snap);
       level_run d = level_row_at(b, j);
       d.start += first * d.step + detail::level_rounding(Kind);
-      if (inside) trilinear_run(out, count, w.at, near, far, d, memory_.between);
-      else draw_between(out, count, t, next, w, d, memory_.between);
+      if (inside) trilinear_run(out, count, w, near, far, d, memory_.between);
+      else draw_between(out, count, t, next, {u, v, w}, d, memory_.between);
     });
   }
 
@@ -209,9 +210,7 @@ class painter {
   state& memory_;
   rectangle area_;
   Cover cover_;
-  bool masked_ = false;
-  source source_{};
-  uint32_t masks_ = 0;
+  bool masked_;
 };
 
 // What a map must be. Errors: out_of_range (its format, a filter that rows do not have), bad_levels (sides that do not halve exactly).

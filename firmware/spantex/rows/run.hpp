@@ -38,13 +38,19 @@ constexpr row_axis scaled(const row_axis& x, int32_t base, int level, int unit_l
   const int32_t start = scale_down(x.start + (rest << (16 - unit_log2)), down, rounding::floor) + offset;
   return {start, scale_down(x.step, down), scale_down(x.bend, down)};
 }
+constexpr int32_t base_on(int level, int32_t base) { return (base >> (level + 1)) * 2; }
 
-constexpr level_walk walk_of(const row& r, const block& b, int level, int32_t offset) {
-  const int32_t base_u = (b.u.base >> (level + 1)) * 2, base_v = (b.v.base >> (level + 1)) * 2;
-  if (level == 0 && b.unit_log2 == 0)
-    return {base_u, base_v, {r.u.start + ((b.u.base & 1) << 16) + offset, r.v.start + ((b.v.base & 1) << 16) + offset, r.u.step, r.v.step, r.u.bend, r.v.bend}};
+// A row on the level that is the block's unit: nothing to scale.
+constexpr walk walk_on_unit(const row& r, const block& b, int32_t offset) {
+  const int32_t mask = (2 << b.unit_log2) - 1, up = 16 - b.unit_log2;
+  return {r.u.start + ((b.u.base & mask) << up) + offset, r.v.start + ((b.v.base & mask) << up) + offset, r.u.step, r.v.step, r.u.bend, r.v.bend};
+}
+[[gnu::noinline]] inline walk scaled_walk(const row& r, const block& b, int level, int32_t offset) {
   const row_axis u = scaled(r.u, b.u.base, level, b.unit_log2, offset), v = scaled(r.v, b.v.base, level, b.unit_log2, offset);
-  return {base_u, base_v, {u.start, v.start, u.step, v.step, u.bend, v.bend}};
+  return {u.start, v.start, u.step, v.step, u.bend, v.bend};
+}
+inline walk walk_of(const row& r, const block& b, int level, int32_t offset) {
+  return level == b.unit_log2 ? walk_on_unit(r, b, offset) : scaled_walk(r, b, level, offset);
 }
 
 SPANTEX_WRAPS constexpr walk advanced(const walk& w, int i) {
@@ -227,7 +233,7 @@ inline box box_of_block(const block& b, int level, int32_t offset) {
 
 [[gnu::noinline]] inline bool source_of_block(const block& b, const level_view& t, int level, int32_t offset, int neighbour, source& out) {
   const box x = box_of_block(b, level, offset);
-  return source_of(t, x.u, x.v, (b.u.base >> (level + 1)) * 2, (b.v.base >> (level + 1)) * 2, neighbour, out);
+  return source_of(t, x.u, x.v, base_on(level, b.u.base), base_on(level, b.v.base), neighbour, out);
 }
 // Likewise for the level after `level`.
 inline bool source_of_coarser(const block& b, const level_view& t, int level, source& out) {
@@ -237,10 +243,9 @@ inline bool source_of_coarser(const block& b, const level_view& t, int level, so
 
 }  // namespace detail
 
-// A run of pixels of one row of a block, from its pixel `first`, levels of detail pixel by pixel.
+// `count` pixels of row r of a block, from its pixel `first`, levels of detail pixel by pixel.
 template <filter Kind>
-[[gnu::noinline]] inline void draw_run(uint16_t* out, int first, int count, const texture_view& t, const block& b, const row& whole, level_run level, scratch& between) {
-  const row r = first == 0 ? whole : row{from_pixel(whole.u, first), from_pixel(whole.v, first)};
+[[gnu::noinline]] inline void draw_run(uint16_t* out, int first, int count, const texture_view& t, const block& b, const row& r, level_run level, scratch& between) {
   level.start += first * level.step + detail::level_rounding(Kind);
   const auto whole_level = [&](int i) { return clamp_to((level.start + i * level.step) >> 16, -1, t.last_level()); };
   for (int done = 0; done < count;) {
@@ -248,8 +253,8 @@ template <filter Kind>
     const int at = whole_level(done);
     while (whole_level(done + n - 1) != at) n = (n + 1) / 2;
     const int fine = max_of(at, 0);
-    level_walk w = detail::walk_of(r, b, fine, snap);
-    if (done > 0) w.at = detail::advanced(w.at, done);
+    level_walk w{detail::base_on(fine, b.u.base), detail::base_on(fine, b.v.base), detail::walk_of(r, b, fine, snap)};
+    if (first + done > 0) w.at = detail::advanced(w.at, first + done);
     if (Kind == filter::mip_bilinear || at < 0 || at == t.last_level()) draw_level<filter::bilinear>(out + done, n, level_of(t, fine), w, between);
     else draw_between(out + done, n, level_of(t, fine), level_of(t, fine + 1), w, {level.start + done * level.step, level.step}, between);
     done += n;
