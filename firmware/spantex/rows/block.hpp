@@ -22,7 +22,8 @@ inline constexpr int row_tolerance_bits = 6;
 // One coordinate of a block about its centre, hx and hy in half pixels: u - base = (c + a hx + b hy) / (1 + g hx + h hy).
 struct block_axis {
   int32_t base;   // whole texels of level 0
-  int32_t c;      // 2^-16 unit; a unit is 2^unit_log2 texels
+  int32_t offset; // added to every position, 2^-16 unit; a unit is 2^unit_log2 texels
+  int32_t c;      // 2^-16
   int32_t b;      // 2^-(17 + k)
   int32_t slope;  // a - c g: w^2 du/dhx in the middle row; 2^-(17 + k)
   int32_t twist;  // a h - b g: what it gains per hy; 2^-(17 + k)
@@ -36,8 +37,16 @@ struct block {
   int8_t unit_log2;
 };
 
-struct row_axis { int32_t start, step, bend; };  // 2^-16 unit, relative to the block's base
-struct row { row_axis u, v; };
+// Positions pixel after pixel, 2^-16 unit, relative to a whole texel: u(i) = u + i du + i (i - 1)/2 ddu.
+struct walk {
+  int32_t u, v, du, dv, ddu, ddv;
+  SPANTEX_WRAPS constexpr void step() { u += du; v += dv; du += ddu; dv += ddv; }
+};
+
+SPANTEX_WRAPS constexpr walk advanced(const walk& w, int i) {
+  const int32_t pairs = i * (i - 1) / 2;
+  return {w.u + i * w.du + pairs * w.ddu, w.v + i * w.dv + pairs * w.ddv, w.du + i * w.ddu, w.dv + i * w.ddv, w.ddu, w.ddv};
+}
 
 // Half pixels from the centre to the outermost pixel centres.
 constexpr int32_t reach_of(int k) { return (1 << k) - 1; }
@@ -61,7 +70,7 @@ constexpr int32_t quotient_of(int64_t n, const reference& r, int scale) {
 constexpr block_axis axis_of(int64_t c, int64_t a, int64_t b, int32_t base, const reference& r, const block& o) {
   const int bits = slope_bits(o.k) - o.unit_log2;
   const int32_t qa = quotient_of(a, r, bits), qb = quotient_of(b, r, bits), qc = quotient_of(c, r, 16 - o.unit_log2);
-  return {base, qc, qb, qa - ((qc >> 6) * o.g >> 9), ((qa >> 10) * o.h - (qb >> 10) * o.g) >> (6 + o.k)};
+  return {base, 0, qc, qb, qa - ((qc >> 6) * o.g >> 9), ((qa >> 10) * o.h - (qb >> 10) * o.g) >> (6 + o.k)};
 }
 
 // The term of third degree, at most a X (g X)^2 units, X the reach, is replaced by its best line: a quarter of it is left.
@@ -100,8 +109,8 @@ constexpr bool block_at(const plane& p, int32_t bx, int32_t by, int k, level_ter
   }
   if (k == 0) {  // a coordinate out of range is +-32767
     o.g = o.h = 0;
-    o.u = {r.base_u, r.u_in_range ? detail::quotient_of(r.c_u, r, 16) : 0, 0, 0, 0};
-    o.v = {r.base_v, r.v_in_range ? detail::quotient_of(r.c_v, r, 16) : 0, 0, 0, 0};
+    o.u = {r.base_u, 0, r.u_in_range ? detail::quotient_of(r.c_u, r, 16) : 0, 0, 0, 0};
+    o.v = {r.base_v, 0, r.v_in_range ? detail::quotient_of(r.c_v, r, 16) : 0, 0, 0, 0};
     return true;
   }
   if (!detail::fits(r, reach, o.unit_log2)) return false;
@@ -124,31 +133,42 @@ constexpr int32_t series_of(int32_t e) {
 // 1 - 1/w, 2^-17; 1 - 1/w^2, 2^-16; g / w; 3/4 (g X / w)^2, 2^-15.
 struct row_terms { int32_t q, q2, g, third; };
 
-constexpr row_axis row_of(const block_axis& x, int32_t hy, const row_terms& t, int k) {
-  const int32_t reach = reach_of(k), n = x.c + (x.b * hy >> (k + 1)), slope = x.slope + x.twist * hy;
-  const int32_t middle = n - ((n >> 8) * t.q >> 9);                                    // 2^-16
-  const int32_t d = slope - ((slope >> 10) * t.q2 >> 6);                               // 2^-(17 + k)
-  if (t.g == 0) {
-    const int32_t half = d >> (k + 1);
-    return {middle - reach * half, 2 * half, 0};
-  }
-  const int32_t bend = shift_right(-((d >> 10) * t.g), 4 + 2 * k), half = (d + ((d >> 10) * t.third >> 5)) >> (k + 1);
-  return {middle - reach * half + (reach * reach * bend >> 3), 2 * half - (reach >> 1) * bend, bend};
+// Position at the middle of a row, and its derivative by hx, 2^-(17 + k).
+struct middle { int32_t position, slope; };
+constexpr middle middle_of(const block_axis& x, int32_t hy, const row_terms& t, int k) {
+  const int32_t n = x.c + (x.b * hy >> (k + 1)), slope = x.slope + x.twist * hy;
+  return {n - ((n >> 8) * t.q >> 9), slope - ((slope >> 10) * t.q2 >> 6)};
+}
+
+struct row_axis { int32_t start, step, bend; };
+constexpr row_axis bent(const middle& m, const row_terms& t, int k) {
+  const int32_t reach = reach_of(k), slope = m.slope >> 10;
+  const int32_t bend = shift_right(-(slope * t.g), 4 + 2 * k), half = (m.slope + (slope * t.third >> 5)) >> (k + 1);
+  return {m.position - reach * half + (reach * reach * bend >> 3), 2 * half - (reach >> 1) * bend, bend};
 }
 
 }  // namespace detail
 
 // Row j of a block.
-constexpr row row_at(const block& b, int j) {
-  if (b.k == 0) return {{b.u.c, 0, 0}, {b.v.c, 0, 0}};
-  const int32_t hy = 2 * j - reach_of(b.k), q = detail::series_of(b.h * hy >> (b.k - 1));
-  detail::row_terms t{q, q - (q * q >> 18), 0, 0};
-  if (b.g != 0) {
-    t.g = b.g - (b.g * q >> 17);
-    const int32_t e = t.g * reach_of(b.k) >> (b.k + 1);  // 2^-15
-    t.third = 3 * (e * e >> 15) >> 2;
+constexpr void row_at(const block& b, int j, walk& out) {
+  if (b.k == 0) {
+    out = {b.u.c + b.u.offset, b.v.c + b.v.offset, 0, 0, 0, 0};
+    return;
   }
-  return {detail::row_of(b.u, hy, t, b.k), detail::row_of(b.v, hy, t, b.k)};
+  const int k = b.k;
+  const int32_t reach = reach_of(k), hy = 2 * j - reach, q = detail::series_of(b.h * hy >> (k - 1));
+  detail::row_terms t{q, q - (q * q >> 18), 0, 0};
+  const detail::middle u = detail::middle_of(b.u, hy, t, k), v = detail::middle_of(b.v, hy, t, k);
+  if (b.g == 0) {
+    const int32_t half_u = u.slope >> (k + 1), half_v = v.slope >> (k + 1);
+    out = {u.position - reach * half_u + b.u.offset, v.position - reach * half_v + b.v.offset, 2 * half_u, 2 * half_v, 0, 0};
+    return;
+  }
+  t.g = b.g - (b.g * q >> 17);
+  const int32_t e = t.g * reach >> (k + 1);  // 2^-15
+  t.third = 3 * (e * e >> 15) >> 2;
+  const detail::row_axis x = detail::bent(u, t, k), y = detail::bent(v, t, k);
+  out = {x.start + b.u.offset, y.start + b.v.offset, x.step, y.step, x.bend, y.bend};
 }
 
 // Level of detail along row j, s.16: linear in the block. 2/ln 2 = 23637/8192.
@@ -158,8 +178,5 @@ constexpr level_run level_row_at(const block& b, int j) {
   const int32_t x = per_half_pixel(b.g), hy = 2 * j - reach_of(b.k);
   return {b.level + per_half_pixel(b.h) * hy - x * reach_of(b.k), 2 * x};
 }
-
-// Position of pixel i of a row: what every kernel's additions amount to.
-constexpr int32_t position_at(const row_axis& x, int i) { return x.start + i * x.step + i * (i - 1) / 2 * x.bend; }
 
 }  // namespace spantex::rows

@@ -82,6 +82,7 @@ struct polygon_cover {
 // One surface being drawn. Its memory is the caller's: `state`, 400 bytes with what kernels work in.
 struct state {
   block coordinates;
+  level_walk at;
   scratch between;
 };
 
@@ -127,7 +128,7 @@ class painter {
   struct block_part { int32_t x0, y0; int8_t left, right, top, bottom; };
 
   template <class Row>
-  [[gnu::always_inline]] void each_row(const block&, const block_part& part, const Row& draw_row) {
+  [[gnu::always_inline]] void each_row(const block_part& part, const Row& draw_row) {
     const uint32_t wanted = detail::columns(part.left, part.right);
     for (int32_t j = part.top; j < part.bottom; ++j) {
       int first = part.left, count = part.right - part.left;
@@ -142,58 +143,65 @@ class painter {
     }
   }
 
-  // From pixel `first` of row j.
-  [[gnu::always_inline]] static walk walk_from(const block& b, int j, int first, int level, int32_t offset) {
-    const walk w = detail::walk_of(row_at(b, j), b, level, offset);
-    return first == 0 ? w : detail::advanced(w, first);
+  // Row j from pixel `first`, on a level for which offsets are set.
+  [[gnu::always_inline]] static void walk_from(const block& b, int j, int first, int level, walk& w) {
+    row_at(b, j, w);
+    if (level != b.unit_log2) w = detail::scaled(w, level - b.unit_log2);
+    if (first != 0) w = advanced(w, first);
   }
 
   // All pixels on one level.
-  [[gnu::noinline]] void draw_with_level(const block& b, const block_part& part, int level, int32_t offset) {
+  [[gnu::noinline]] void draw_with_level(block& b, const block_part& part, int level, int32_t offset) {
     constexpr filter kind = uses_levels(Kind) ? filter::bilinear : Kind;
     const level_view t = level_of(map_, level);
     source s{};
-    if (detail::source_of_block(b, t, level, offset, kind == filter::nearest ? 0 : 1, s)) {
-      each_row(b, part, [&](texel565* out, int first, int count, int j) { run<kind>(out, count, walk_from(b, j, first, level, offset), s, memory_.between); });
-    } else if (kind == filter::nearest && masked_) {
-      draw_masked(b, part);
-    } else {
-      const int32_t u = detail::base_on(level, b.u.base), v = detail::base_on(level, b.v.base);
-      each_row(b, part, [&](texel565* out, int first, int count, int j) {
-        draw_level<kind>(out, count, t, {u, v, walk_from(b, j, first, level, offset)}, memory_.between);
+    detail::set_offsets(b, level, offset);
+    if (detail::source_of_block(b, t, level, kind == filter::nearest ? 0 : 1, s)) {
+      each_row(part, [&](texel565* out, int first, int count, int j) {
+        walk_from(b, j, first, level, memory_.at.at);
+        run<kind>(out, count, memory_.at.at, s, memory_.between);
       });
+      return;
     }
+    if (kind == filter::nearest && masked_) return draw_masked(b, part);
+    memory_.at.base_u = detail::base_on(level, b.u.base);
+    memory_.at.base_v = detail::base_on(level, b.v.base);
+    each_row(part, [&](texel565* out, int first, int count, int j) {
+      walk_from(b, j, first, level, memory_.at.at);
+      draw_level<kind>(out, count, t, memory_.at, memory_.between);
+    });
   }
 
   // Texels of level 0 of a map that repeats in powers of two: masks wrap, no run is cut.
-  SPANTEX_WRAPS [[gnu::noinline]] void draw_masked(const block& b, const block_part& part) {
-    const uint32_t u = uint32_t(detail::base_on(0, b.u.base)) << 16, v = uint32_t(detail::base_on(0, b.v.base)) << 16;
+  SPANTEX_WRAPS void draw_masked(block& b, const block_part& part) {
+    b.u.offset = int32_t(uint32_t(b.u.base) << 16);
+    b.v.offset = int32_t(uint32_t(b.v.base) << 16);
     const uint32_t masks = uint32_t(map_.height() - 1) << 16 | uint32_t(map_.width() - 1);
     const source s{map_.numbers(0), 2 * map_.width()};
-    each_row(b, part, [&](texel565* out, int first, int count, int j) {
-      walk w = walk_from(b, j, first, 0, 0);
-      w.u = int32_t(uint32_t(w.u) + u);
-      w.v = int32_t(uint32_t(w.v) + v);
-      nearest_masked_run(out, count, w, s, masks);
+    each_row(part, [&](texel565* out, int first, int count, int j) {
+      walk_from(b, j, first, 0, memory_.at.at);
+      nearest_masked_run(out, count, memory_.at.at, s, masks);
     });
   }
 
   // All pixels between two levels.
-  [[gnu::noinline]] void draw_with_two(const block& b, const block_part& part, int level) {
+  [[gnu::noinline]] void draw_with_two(block& b, const block_part& part, int level) {
     const level_view t = level_of(map_, level), next = level_of(map_, level + 1);
     source near{}, far{};
-    const bool inside = detail::source_of_block(b, t, level, snap, 1, near) && detail::source_of_coarser(b, next, level, far);
-    const int32_t u = detail::base_on(level, b.u.base), v = detail::base_on(level, b.v.base);
-    each_row(b, part, [&](texel565* out, int first, int count, int j) {
-      const walk w = walk_from(b, j, first, level, snap);
+    detail::set_offsets(b, level, snap);
+    const bool inside = detail::source_of_block(b, t, level, 1, near) && detail::source_of_coarser(b, next, level, far);
+    memory_.at.base_u = detail::base_on(level, b.u.base);
+    memory_.at.base_v = detail::base_on(level, b.v.base);
+    each_row(part, [&](texel565* out, int first, int count, int j) {
+      walk_from(b, j, first, level, memory_.at.at);
       level_run d = level_row_at(b, j);
       d.start += first * d.step + detail::level_rounding(Kind);
-      if (inside) trilinear_run(out, count, w, near, far, d, memory_.between);
-      else draw_between(out, count, t, next, {u, v, w}, d, memory_.between);
+      if (inside) trilinear_run(out, count, memory_.at.at, near, far, d, memory_.between);
+      else draw_between(out, count, t, next, memory_.at, d, memory_.between);
     });
   }
 
-  void draw_with_levels(const block& b, const block_part& part) {
+  void draw_with_levels(block& b, const block_part& part) {
     const detail::interval levels = detail::levels_of(b, detail::level_rounding(Kind), map_.last_level());
     if (levels.low == levels.high) {
       const int fine = max_of(levels.low, 0);
@@ -201,7 +209,7 @@ class painter {
       else draw_with_two(b, part, fine);
       return;
     }
-    each_row(b, part, [&](texel565* out, int first, int count, int j) { draw_run<Kind>(out, first, count, map_, b, row_at(b, j), level_row_at(b, j), memory_.between); });
+    each_row(part, [&](texel565* out, int first, int count, int j) { draw_run<Kind>(out, first, count, map_, b, j, memory_.between); });
   }
 
   const plane& plane_;

@@ -11,12 +11,6 @@
 
 namespace spantex::rows {
 
-// Positions of a run, 2^-16 texel of the level.
-struct walk {
-  int32_t u, v, du, dv, ddu, ddv;
-  SPANTEX_WRAPS void step() { u += du; v += dv; du += ddu; dv += ddv; }
-};
-
 // Where a kernel reads: the texel at whole position (0, 0), and the bytes from one row of texels to the next.
 struct source {
   const texel565* origin;

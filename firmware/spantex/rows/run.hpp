@@ -31,31 +31,18 @@ struct level_walk {
 
 namespace detail {
 
-// One coordinate in texels of level L, 2^-16: the row's numbers scaled once, to nearest. The base is even, so that the next level's is half of it.
-constexpr row_axis scaled(const row_axis& x, int32_t base, int level, int unit_log2, int32_t offset) {
-  const int32_t rest = base & ((2 << level) - 1);
-  const int down = level - unit_log2;
-  const int32_t start = scale_down(x.start + (rest << (16 - unit_log2)), down, rounding::floor) + offset;
-  return {start, scale_down(x.step, down), scale_down(x.bend, down)};
-}
 constexpr int32_t base_on(int level, int32_t base) { return (base >> (level + 1)) * 2; }
 
-// A row on the level that is the block's unit: nothing to scale.
-constexpr walk walk_on_unit(const row& r, const block& b, int32_t offset) {
-  const int32_t mask = (2 << b.unit_log2) - 1, up = 16 - b.unit_log2;
-  return {r.u.start + ((b.u.base & mask) << up) + offset, r.v.start + ((b.v.base & mask) << up) + offset, r.u.step, r.v.step, r.u.bend, r.v.bend};
+// Positions of a block's rows are to be relative to the level's even base, plus `offset` texels of the level 2^-16. On the block's own level
+// (its unit) rows then come as they are; another level scales them.
+constexpr void set_offsets(block& b, int level, int32_t offset) {
+  const int32_t mask = (2 << level) - 1, up = 16 - b.unit_log2, own = scale_down(offset, b.unit_log2 - level);
+  b.u.offset = ((b.u.base & mask) * (1 << up)) + own;
+  b.v.offset = ((b.v.base & mask) * (1 << up)) + own;
 }
-[[gnu::noinline]] inline walk scaled_walk(const row& r, const block& b, int level, int32_t offset) {
-  const row_axis u = scaled(r.u, b.u.base, level, b.unit_log2, offset), v = scaled(r.v, b.v.base, level, b.unit_log2, offset);
-  return {u.start, v.start, u.step, v.step, u.bend, v.bend};
-}
-inline walk walk_of(const row& r, const block& b, int level, int32_t offset) {
-  return level == b.unit_log2 ? walk_on_unit(r, b, offset) : scaled_walk(r, b, level, offset);
-}
-
-SPANTEX_WRAPS constexpr walk advanced(const walk& w, int i) {
-  const int32_t pairs = i * (i - 1) / 2;
-  return {w.u + i * w.du + pairs * w.ddu, w.v + i * w.dv + pairs * w.ddv, w.du + i * w.ddu, w.dv + i * w.ddv, w.ddu, w.ddv};
+constexpr walk scaled(const walk& w, int down) {
+  return {scale_down(w.u, down, rounding::floor), scale_down(w.v, down, rounding::floor), scale_down(w.du, down), scale_down(w.dv, down),
+          scale_down(w.ddu, down), scale_down(w.ddv, down)};
 }
 
 // The same run on the coarser level: a bound is enough, its positions follow from the finer one's.
@@ -162,7 +149,7 @@ template <filter Kind>
     n = max_of(n, 1);
     out += n;
     count -= n;
-    if (count > 0) w.at = detail::advanced(w.at, n);
+    if (count > 0) w.at = advanced(w.at, n);
   }
 }
 
@@ -193,7 +180,7 @@ inline uint16_t pixel_between(const level_view& fine, const level_view& coarse, 
     out += n;
     count -= n;
     if (count > 0) {
-      w.at = detail::advanced(w.at, n);
+      w.at = advanced(w.at, n);
       level.start += n * level.step;
     }
   }
@@ -217,47 +204,55 @@ constexpr interval levels_of(const block& b, int32_t rounding, int last_level) {
 
 // Positions of all pixels of a block on a level: the hull of its corners, and an eighth of a unit for what rows leave out.
 struct box { interval u, v; };
-constexpr interval hull(const row_axis& top, const row_axis& bottom, int last, int32_t margin) {
-  const int32_t corners[] = {top.start, position_at(top, last), bottom.start, position_at(bottom, last)};
-  interval x{corners[0], corners[0]};
-  for (int32_t c : corners) x = {c < x.low ? c : x.low, c > x.high ? c : x.high};
-  return {x.low - margin, x.high + margin};
+constexpr interval hull(int32_t a, int32_t b, int32_t c, int32_t d, int32_t margin) {
+  const int32_t low = a < b ? a : b, high = a < b ? b : a, low2 = c < d ? c : d, high2 = c < d ? d : c;
+  return {(low < low2 ? low : low2) - margin, (high > high2 ? high : high2) + margin};
 }
-inline box box_of_block(const block& b, int level, int32_t offset) {
-  const int last = (1 << b.k) - 1;
-  const row top = row_at(b, 0), bottom = row_at(b, last);
-  const auto axis = [&](const row_axis& x, int32_t base) { return scaled(x, base, level, b.unit_log2, offset); };
-  const int32_t margin = scale_down(1 << 13, level - b.unit_log2) + 64;
-  return {hull(axis(top.u, b.u.base), axis(bottom.u, b.u.base), last, margin), hull(axis(top.v, b.v.base), axis(bottom.v, b.v.base), last, margin)};
+inline box box_of_block(const block& b, int level) {
+  const int last = (1 << b.k) - 1, down = level - b.unit_log2;
+  walk top, bottom;
+  row_at(b, 0, top);
+  row_at(b, last, bottom);
+  if (down != 0) {
+    top = scaled(top, down);
+    bottom = scaled(bottom, down);
+  }
+  const walk right = advanced(top, last), far = advanced(bottom, last);
+  const int32_t margin = scale_down(1 << 13, down) + 64;
+  return {hull(top.u, right.u, bottom.u, far.u, margin), hull(top.v, right.v, bottom.v, far.v, margin)};
 }
 
-[[gnu::noinline]] inline bool source_of_block(const block& b, const level_view& t, int level, int32_t offset, int neighbour, source& out) {
-  const box x = box_of_block(b, level, offset);
+[[gnu::noinline]] inline bool source_of_block(const block& b, const level_view& t, int level, int neighbour, source& out) {
+  const box x = box_of_block(b, level);
   return source_of(t, x.u, x.v, base_on(level, b.u.base), base_on(level, b.v.base), neighbour, out);
 }
 // Likewise for the level after `level`.
 inline bool source_of_coarser(const block& b, const level_view& t, int level, source& out) {
-  const box x = box_of_block(b, level, snap);
+  const box x = box_of_block(b, level);
   return source_of(t, {coarser(x.u.low), coarser(x.u.high)}, {coarser(x.v.low), coarser(x.v.high)}, b.u.base >> (level + 1), b.v.base >> (level + 1), 1, out);
 }
 
 }  // namespace detail
 
-// `count` pixels of row r of a block, from its pixel `first`, levels of detail pixel by pixel.
+// `count` pixels of row j of a block, from its pixel `first`, levels of detail pixel by pixel.
 template <filter Kind>
-[[gnu::noinline]] inline void draw_run(uint16_t* out, int first, int count, const texture_view& t, const block& b, const row& r, level_run level, scratch& between) {
-  level.start += first * level.step + detail::level_rounding(Kind);
+[[gnu::noinline]] inline void draw_run(uint16_t* out, int first, int count, const texture_view& t, block& b, int j, scratch& between) {
+  level_run level = level_row_at(b, j);
+  level.start += detail::level_rounding(Kind);
   const auto whole_level = [&](int i) { return clamp_to((level.start + i * level.step) >> 16, -1, t.last_level()); };
-  for (int done = 0; done < count;) {
-    int n = count - done;
-    const int at = whole_level(done);
-    while (whole_level(done + n - 1) != at) n = (n + 1) / 2;
-    const int fine = max_of(at, 0);
-    level_walk w{detail::base_on(fine, b.u.base), detail::base_on(fine, b.v.base), detail::walk_of(r, b, fine, snap)};
-    if (first + done > 0) w.at = detail::advanced(w.at, first + done);
-    if (Kind == filter::mip_bilinear || at < 0 || at == t.last_level()) draw_level<filter::bilinear>(out + done, n, level_of(t, fine), w, between);
-    else draw_between(out + done, n, level_of(t, fine), level_of(t, fine + 1), w, {level.start + done * level.step, level.step}, between);
-    done += n;
+  for (const int end = first + count; first < end;) {
+    int n = end - first;
+    const int at = whole_level(first), fine = max_of(at, 0);
+    while (whole_level(first + n - 1) != at) n = (n + 1) / 2;
+    detail::set_offsets(b, fine, snap);
+    level_walk w{detail::base_on(fine, b.u.base), detail::base_on(fine, b.v.base), {}};
+    row_at(b, j, w.at);
+    if (fine != b.unit_log2) w.at = detail::scaled(w.at, fine - b.unit_log2);
+    if (first > 0) w.at = advanced(w.at, first);
+    if (Kind == filter::mip_bilinear || at < 0 || at == t.last_level()) draw_level<filter::bilinear>(out, n, level_of(t, fine), w, between);
+    else draw_between(out, n, level_of(t, fine), level_of(t, fine + 1), w, {level.start + first * level.step, level.step}, between);
+    first += n;
+    out += n;
   }
 }
 
