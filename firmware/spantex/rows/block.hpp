@@ -24,9 +24,9 @@ struct block_axis {
   int32_t base;   // whole texels of level 0
   int32_t offset; // added to every position, 2^-16 unit; a unit is 2^unit_log2 texels
   int32_t c;      // 2^-16
-  int32_t b;      // 2^-(17 + k)
-  int32_t slope;  // a - c g: w^2 du/dhx in the middle row; 2^-(17 + k)
-  int32_t twist;  // a h - b g: what it gains per hy; 2^-(17 + k)
+  int32_t b;      // 2^-(16 + k)
+  int32_t slope;  // a - c g: w^2 du/dhx in the middle row; 2^-(16 + k)
+  int32_t twist;  // a h - b g: what it gains per hy; 2^-(16 + k)
 };
 
 struct block {
@@ -50,27 +50,39 @@ SPANTEX_WRAPS constexpr walk advanced(const walk& w, int i) {
 
 // Half pixels from the centre to the outermost pixel centres.
 constexpr int32_t reach_of(int k) { return (1 << k) - 1; }
-constexpr int slope_bits(int k) { return 17 + k; }  // of a, b; 10 less as 16-bit factors
 
 namespace detail {
 
-// Whether a block's numbers have their 16 bits: |e| <= 1/8, reach below 96 units.
-constexpr bool fits(const reference& r, int32_t reach, int unit_log2) {
-  if (!r.u_in_range || !r.v_in_range) return false;
-  if (uint64_t(reach) * (magnitude(r.g) + magnitude(r.h)) > uint64_t(r.w) / 8) return false;
-  const uint64_t most = uint64_t(r.w) * (uint64_t(96) << unit_log2);
-  return magnitude(r.c_u) + uint64_t(reach) * (magnitude(r.a_u) + magnitude(r.b_u)) < most &&
-         magnitude(r.c_v) + uint64_t(reach) * (magnitude(r.a_v) + magnitude(r.b_v)) < most;
+// The largest number that quotients are taken of; 0 where they would have more than 16 bits: |e| <= 1/8, reach below 96 units.
+constexpr uint64_t largest_of(const reference& r, int32_t reach, int unit_log2) {
+  if (!r.u_in_range || !r.v_in_range) return 0;
+  const uint64_t slope = uint64_t(reach) * (magnitude(r.g) + magnitude(r.h)), most = uint64_t(r.w) * (uint64_t(96) << unit_log2);
+  const uint64_t u = magnitude(r.c_u) + uint64_t(reach) * (magnitude(r.a_u) + magnitude(r.b_u));
+  const uint64_t v = magnitude(r.c_v) + uint64_t(reach) * (magnitude(r.a_v) + magnitude(r.b_v));
+  if (slope > uint64_t(r.w) / 8 || u >= most || v >= most) return 0;
+  const uint64_t larger = u > v ? u : v;
+  return (larger > slope ? larger : slope) | uint64_t(r.w) >> 8 | 1;
 }
 
-constexpr int32_t quotient_of(int64_t n, const reference& r, int scale) {
-  return quotient(n, max_of(0, bit_length(magnitude(n)) - 31), r.inverse_w, scale);
-}
+// Quotients by W of numbers no larger than `largest`: numbers and 1/W cut to 31 bits (floor), the upper word of the product, to nearest.
+class quotients {
+ public:
+  constexpr quotients(const reference& r, uint64_t largest)
+      : inverse_(int32_t(r.inverse_w.y >> 1)), drop_(bit_length(largest) - 31), shift_(30 + r.inverse_w.exponent - drop_) {}
+  constexpr int32_t at(int64_t n, int scale) const {
+    const int32_t x = drop_ >= 0 ? int32_t(n >> drop_) : int32_t(n) * (1 << -drop_);
+    return shift_right(int32_t(int64_t(x) * inverse_ >> 32), shift_ - scale);
+  }
 
-constexpr block_axis axis_of(int64_t c, int64_t a, int64_t b, int32_t base, const reference& r, const block& o) {
-  const int bits = slope_bits(o.k) - o.unit_log2;
-  const int32_t qa = quotient_of(a, r, bits), qb = quotient_of(b, r, bits), qc = quotient_of(c, r, 16 - o.unit_log2);
-  return {base, 0, qc, qb, qa - ((qc >> 6) * o.g >> 9), ((qa >> 10) * o.h - (qb >> 10) * o.g) >> (6 + o.k)};
+ private:
+  int32_t inverse_;
+  int drop_, shift_;
+};
+
+constexpr block_axis axis_of(int64_t c, int64_t a, int64_t b, int32_t base, const quotients& by_w, const block& o) {
+  const int bits = 16 + o.k - o.unit_log2;
+  const int32_t qa = by_w.at(a, bits), qb = by_w.at(b, bits), qc = by_w.at(c, 16 - o.unit_log2);
+  return {base, 0, qc, qb, qa - ((qc >> 6) * o.g >> 10), ((qa >> 9) * o.h - (qb >> 9) * o.g) >> (7 + o.k)};
 }
 
 // The term of third degree, at most a X (g X)^2 units, X the reach, is replaced by its best line: a quarter of it is left.
@@ -79,7 +91,7 @@ constexpr bool bends_little(const block& o, int32_t reach) {
   const int32_t e = size(o.g) * reach >> (o.k + 1);                                    // 2^-15
   const int32_t square = e * e >> 15;
   const int32_t steeper = size(o.u.slope) > size(o.v.slope) ? size(o.u.slope) : size(o.v.slope);
-  const int32_t extent = (steeper >> 10) * reach >> (o.k - 1);                         // 2^-8
+  const int32_t extent = (steeper >> 9) * reach >> (o.k - 1);                          // 2^-8
   return extent * square <= 1 << (23 + 2 - row_tolerance_bits);
 }
 
@@ -108,16 +120,19 @@ constexpr bool block_at(const plane& p, int32_t bx, int32_t by, int k, level_ter
     o.unit_log2 = int8_t(k == 0 ? 0 : detail::unit_of(o.level, levels.last_level));
   }
   if (k == 0) {  // a coordinate out of range is +-32767
+    const detail::quotients by_w(r, magnitude(r.c_u) | magnitude(r.c_v) | uint64_t(r.w));
     o.g = o.h = 0;
-    o.u = {r.base_u, 0, r.u_in_range ? detail::quotient_of(r.c_u, r, 16) : 0, 0, 0, 0};
-    o.v = {r.base_v, 0, r.v_in_range ? detail::quotient_of(r.c_v, r, 16) : 0, 0, 0, 0};
+    o.u = {r.base_u, 0, r.u_in_range ? by_w.at(r.c_u, 16) : 0, 0, 0, 0};
+    o.v = {r.base_v, 0, r.v_in_range ? by_w.at(r.c_v, 16) : 0, 0, 0, 0};
     return true;
   }
-  if (!detail::fits(r, reach, o.unit_log2)) return false;
-  o.g = detail::quotient_of(r.g, r, 16 + k);
-  o.h = detail::quotient_of(r.h, r, 16 + k);
-  o.u = detail::axis_of(r.c_u, r.a_u, r.b_u, r.base_u, r, o);
-  o.v = detail::axis_of(r.c_v, r.a_v, r.b_v, r.base_v, r, o);
+  const uint64_t largest = detail::largest_of(r, reach, o.unit_log2);
+  if (largest == 0) return false;
+  const detail::quotients by_w(r, largest);
+  o.g = by_w.at(r.g, 16 + k);
+  o.h = by_w.at(r.h, 16 + k);
+  o.u = detail::axis_of(r.c_u, r.a_u, r.b_u, r.base_u, by_w, o);
+  o.v = detail::axis_of(r.c_v, r.a_v, r.b_v, r.base_v, by_w, o);
   return detail::bends_little(o, reach);
 }
 
@@ -133,17 +148,17 @@ constexpr int32_t series_of(int32_t e) {
 // 1 - 1/w, 2^-17; 1 - 1/w^2, 2^-16; g / w; 3/4 (g X / w)^2, 2^-15.
 struct row_terms { int32_t q, q2, g, third; };
 
-// Position at the middle of a row, and its derivative by hx, 2^-(17 + k).
+// Position at the middle of a row, and its derivative by hx, 2^-(16 + k).
 struct middle { int32_t position, slope; };
 constexpr middle middle_of(const block_axis& x, int32_t hy, const row_terms& t, int k) {
-  const int32_t n = x.c + (x.b * hy >> (k + 1)), slope = x.slope + x.twist * hy;
-  return {n - ((n >> 8) * t.q >> 9), slope - ((slope >> 10) * t.q2 >> 6)};
+  const int32_t n = x.c + (x.b * hy >> k), slope = x.slope + x.twist * hy;
+  return {n - ((n >> 8) * t.q >> 9), slope - ((slope >> 9) * t.q2 >> 7)};
 }
 
 struct row_axis { int32_t start, step, bend; };
 constexpr row_axis bent(const middle& m, const row_terms& t, int k) {
-  const int32_t reach = reach_of(k), slope = m.slope >> 10;
-  const int32_t bend = shift_right(-(slope * t.g), 4 + 2 * k), half = (m.slope + (slope * t.third >> 5)) >> (k + 1);
+  const int32_t reach = reach_of(k), slope = m.slope >> 9;
+  const int32_t bend = shift_right(-(slope * t.g), 4 + 2 * k), half = (m.slope + (slope * t.third >> 6)) >> k;
   return {m.position - reach * half + (reach * reach * bend >> 3), 2 * half - (reach >> 1) * bend, bend};
 }
 
@@ -160,7 +175,7 @@ constexpr void row_at(const block& b, int j, walk& out) {
   detail::row_terms t{q, q - (q * q >> 18), 0, 0};
   const detail::middle u = detail::middle_of(b.u, hy, t, k), v = detail::middle_of(b.v, hy, t, k);
   if (b.g == 0) {
-    const int32_t half_u = u.slope >> (k + 1), half_v = v.slope >> (k + 1);
+    const int32_t half_u = u.slope >> k, half_v = v.slope >> k;
     out = {u.position - reach * half_u + b.u.offset, v.position - reach * half_v + b.v.offset, 2 * half_u, 2 * half_v, 0, 0};
     return;
   }

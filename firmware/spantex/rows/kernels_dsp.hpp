@@ -2,7 +2,7 @@
 // Inner loops of kernels.hpp in the instructions of Cortex-M4, M7, M33 and M55 (DSP extension). A filter takes two loops, since its numbers do not
 // fit 14 registers at once: the first turns positions into addresses and weights, the second filters.
 //
-//   instructions a pixel   nearest 9 (straight rows 7)   three-point 7 + 24   bilinear 13 + 21      and 1/8 to 1 for the loop
+//   instructions a pixel   nearest 8 (masked 9)   three-point 7 + 21   bilinear 13 + 21   trilinear 36 + 40; 2 to 8 less along straight rows
 //
 // Input: walks in 2^-16 texel; weights of 5 bits; sums below 2^16 (bilinear), 2^20 (trilinear): nothing overflows.
 #pragma once
@@ -172,11 +172,13 @@ inline constexpr int scratch_words = 6 * 16;  // between the two loops of a filt
 [[gnu::always_inline]] inline void three_points(uint16_t* out, const uint32_t* from, int count, uint32_t pitch_bytes) {
   uint32_t x, y, s;
   asm volatile(
-      "1:\n" SPANTEX_HEAD "blt 2f\n" SPANTEX_LEFT
-      "subs %[n], %[n], #1\n bne 1b\n b 3f\n"
-      "2:\n" SPANTEX_RIGHT
-      "subs %[n], %[n], #1\n bne 1b\n"
-      "3:\n"
+      "tst %[n], #1\n beq 1f\n"
+      SPANTEX_HEAD "blt 2f\n" SPANTEX_LEFT "subs %[n], %[n], #1\n bne 1f\n b 9f\n"
+      "2:\n" SPANTEX_RIGHT "subs %[n], %[n], #1\n beq 9f\n"
+      "1:\n" SPANTEX_HEAD "blt 4f\n" SPANTEX_LEFT SPANTEX_HEAD "blt 5f\n" SPANTEX_LEFT "subs %[n], %[n], #2\n bne 1b\n b 9f\n"
+      "4:\n" SPANTEX_RIGHT SPANTEX_HEAD "blt 5f\n" SPANTEX_LEFT "subs %[n], %[n], #2\n bne 1b\n b 9f\n"
+      "5:\n" SPANTEX_RIGHT "subs %[n], %[n], #2\n bne 1b\n"
+      "9:\n"
       : [out] "+r"(out), [from] "+r"(from), [n] "+r"(count), [x] "=&r"(x), [y] "=&r"(y), [s] "=&r"(s)
       : [mask] "r"(spread_mask), [half] "r"((1u | 1u << 11 | 1u << 21) << 4), [pitch] "r"(pitch_bytes)
       : "r4", "r5", "r6", "memory", "cc");
