@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Pictures drawn by rows that are the same on every target and whose instructions are counted: planes seen from one height, facing, tilted, grazing
-// and rolled, on a map of 256 x 256 texels.
+// and rolled, on a map of 256 x 256 texels; with SPANTEX_SMALL of 64 x 64, which a device of 16 KiB keeps in flash.
 #pragma once
 #include <stdint.h>
 
@@ -8,7 +8,12 @@
 
 namespace spantex::app {
 
-inline constexpr int map_side_log2 = 8, map_side = 1 << map_side_log2;
+#ifdef SPANTEX_SMALL
+inline constexpr int map_side_log2 = 6;
+#else
+inline constexpr int map_side_log2 = 8;
+#endif
+inline constexpr int map_side = 1 << map_side_log2;
 
 struct scene { const char* name; homography map; };
 
@@ -37,26 +42,34 @@ SPANTEX_WRAPS constexpr uint16_t map_texel(int x, int y) {
 }
 
 // Levels one after the other, each the mean of the one above.
-inline void make_map(uint16_t* texels, const uint16_t* (&levels)[map_side_log2 + 1]) {
-  for (int y = 0; y < map_side; ++y)
-    for (int x = 0; x < map_side; ++x) texels[y * map_side + x] = map_texel(x, y);
-  levels[0] = texels;
-  for (int level = 1, side = map_side / 2; level <= map_side_log2; ++level, side /= 2) {
-    const uint16_t* const from = levels[level - 1];
-    uint16_t* const to = texels + (from - texels) + 4 * side * side;
-    for (int y = 0; y < side; ++y)
-      for (int x = 0; x < side; ++x) {
-        const uint16_t* const p = from + 4 * y * side + 2 * x;
-        const rows::texels t{p[0], p[1], p[2 * side], p[2 * side + 1]};
-        to[y * side + x] = rows::rounded(rows::four_point(t, 16, 16), 2 * rows::weight_bits);
-      }
-    levels[level] = to;
-  }
-}
 inline constexpr int map_texel_count = (4 * map_side * map_side) / 3 + 1;
+struct map_texels {
+  uint16_t texel[map_texel_count];
+  static constexpr int offset(int level) {
+    int sum = 0;
+    for (int k = 0; k < level; ++k) sum += map_side * map_side >> 2 * k;
+    return sum;
+  }
+  constexpr void make() {
+    for (int y = 0; y < map_side; ++y)
+      for (int x = 0; x < map_side; ++x) texel[y * map_side + x] = map_texel(x, y);
+    for (int level = 1, side = map_side / 2; level <= map_side_log2; ++level, side /= 2)
+      for (int y = 0; y < side; ++y)
+        for (int x = 0; x < side; ++x) {
+          const uint16_t* const p = texel + offset(level - 1) + 4 * y * side + 2 * x;
+          const rows::texels t{p[0], p[1], p[2 * side], p[2 * side + 1]};
+          texel[offset(level) + y * side + x] = rows::rounded(rows::four_point(t, 16, 16), 2 * rows::weight_bits);
+        }
+  }
+  constexpr status view(wrap mode, texture_view& out) const {
+    const uint16_t* levels[map_side_log2 + 1] = {};
+    for (int k = 0; k <= map_side_log2; ++k) levels[k] = texel + offset(k);
+    return texture_view::make(texel_format::rgb565, levels, map_side_log2 + 1, map_side, map_side, mode, mode, out);
+  }
+};
 
-SPANTEX_WRAPS inline uint32_t hash_of(const uint16_t* pixels, int count) {
-  uint32_t hash = 2166136261u;
+inline constexpr uint32_t hash_seed = 2166136261u;
+SPANTEX_WRAPS inline uint32_t hash_of(const uint16_t* pixels, int count, uint32_t hash) {
   for (int k = 0; k < count; ++k) {
     hash = (hash ^ (pixels[k] & 255u)) * 16777619u;
     hash = (hash ^ (uint32_t(pixels[k]) >> 8)) * 16777619u;
