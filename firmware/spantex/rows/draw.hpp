@@ -86,7 +86,10 @@ struct state {
   scratch between;
 };
 
-template <filter Kind, class Target, class Cover>
+// What is known of a map when the program is compiled. A map that repeats, with sides that are powers of two, needs the least code (nearest only).
+enum class map_kind : uint8_t { any, repeats_in_powers_of_two };
+
+template <filter Kind, class Target, class Cover, map_kind Map = map_kind::any>
 class painter {
  public:
   painter(const plane& p, const texture_view& t, const Target& target, rectangle area, const Cover& cover, state& memory)
@@ -120,7 +123,8 @@ class painter {
     block& b = memory_.coordinates;
     if (!block_at(plane_, x0 >> k, y0 >> k, k, {uses_levels(Kind) ? map_.last_level() : -1, 0}, b)) return false;
     const block_part part{x0, y0, int8_t(left), int8_t(right), int8_t(top), int8_t(bottom)};
-    if constexpr (uses_levels(Kind)) draw_with_levels(b, part);
+    if constexpr (Map == map_kind::repeats_in_powers_of_two) draw_masked(b, part);
+    else if constexpr (uses_levels(Kind)) draw_with_levels(b, part);
     else draw_with_level(b, part, 0, Kind == filter::nearest ? 0 : snap);
     return true;
   }
@@ -230,13 +234,16 @@ constexpr status check(const texture_view& t, filter kind) {
   return status::ok;
 }
 
-// The part of a plane in front of the viewer inside `area`, which is cut to the target's `width` and `height`. Errors: those of check().
-template <filter Kind, class Target>
+// The part of a plane in front of the viewer inside `area`, which is cut to the target's `width` and `height`. Errors: those of check(); out_of_range for a
+// map that is not what `Map` says.
+template <filter Kind, map_kind Map = map_kind::any, class Target>
 status draw(state& memory, const Target& target, const plane& p, const texture_view& t, rectangle area) {
+  static_assert(Map == map_kind::any || Kind == filter::nearest, "spantex: only the nearest texel is wrapped by masks");
   SPANTEX_TRY(check(t, Kind));
+  if (Map != map_kind::any && !wraps_by_mask(level_of(t, 0))) return status::out_of_range;
   area = intersection(area, {0, 0, target.width, target.height});
   if (area.empty()) return status::ok;
-  painter<Kind, Target, detail::rectangle_cover>(p, t, target, area, {}, memory).draw();
+  painter<Kind, Target, detail::rectangle_cover, Map>(p, t, target, area, {}, memory).draw();
   return status::ok;
 }
 
