@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rows: texture coordinates for a core that samples the map where it lies (docs/SPEC.md "Rows").
+// Rows: texture coordinates for a core that samples the map where it lies (docs/SPEC.md "Rows"; errors: docs/ACCURACY.md "Rows").
 //
 // The screen is cut into aligned blocks of 2^k x 2^k pixels, 32 down to 1. Block: one division, numerators rebased on a whole texel as in
 // coordinates.hpp, cut to 16 bits. Row: 1/w at the middle of the row by a series in 16-bit products; what is left of the perspective along
@@ -90,7 +90,8 @@ constexpr bool bends_little(const block& o, int32_t reach) {
   const auto size = [](int32_t x) { return x < 0 ? -x : x; };
   const int32_t e = size(o.g) * reach >> (o.k + 1);                                    // 2^-15
   const int32_t square = e * e >> 15;
-  const int32_t steeper = size(o.u.slope) > size(o.v.slope) ? size(o.u.slope) : size(o.v.slope);
+  const auto steepest = [&](const block_axis& x) { return size(x.slope) + reach * size(x.twist); };  // of all rows
+  const int32_t steeper = steepest(o.u) > steepest(o.v) ? steepest(o.u) : steepest(o.v);
   const int32_t extent = (steeper >> 9) * reach >> (o.k - 1);                          // 2^-8
   return extent * square <= 1 << (23 + 2 - row_tolerance_bits);
 }
@@ -107,7 +108,7 @@ constexpr int unit_of(int32_t level, int last_level) { return clamp_to(level >> 
 struct level_terms { int last_level, bias; };
 
 // Coordinates of block (bx, by) of side 2^k. False (and `out` undefined) if the block must be cut, or if k = 0 and the pixel is not in front of the viewer.
-constexpr bool block_at(const plane& p, int32_t bx, int32_t by, int k, level_terms levels, block& out) {
+[[gnu::noinline]] constexpr bool block_at(const plane& p, int32_t bx, int32_t by, int k, level_terms levels, block& out) {
   const int32_t hx = (2 * bx + 1) * (1 << k), hy = (2 * by + 1) * (1 << k), reach = reach_of(k);
   if (p.w_at(hx, hy) <= 0) return false;
   const reference r = reference_at(p, hx, hy);
