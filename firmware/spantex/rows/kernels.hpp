@@ -21,6 +21,8 @@ struct source {
 
 #if SPANTEX_ROWS_DSP
 #include <spantex/rows/kernels_dsp.hpp>
+#elif SPANTEX_ROWS_THUMB1
+#include <spantex/rows/kernels_thumb1.hpp>
 #endif
 
 namespace spantex::rows {
@@ -72,7 +74,15 @@ inline void nearest_run(uint16_t* out, int count, const walk& from, const source
   if ((from.ddu | from.ddv) == 0) dsp::nearest_straight(out, count, from, detail::address(s), detail::to_bytes(s));
   else dsp::nearest_bent(out, count, from, detail::address(s), detail::to_bytes(s));
 #else
-  for (walk at = from; count > 0; --count, at.step()) *out++ = *detail::texel_at(s, upper_halves(at.v, at.u));
+  walk at = from;
+#if SPANTEX_ROWS_THUMB1
+  if (const int fours = count & ~3; fours != 0) {
+    thumb1::nearest(out, fours, at, s.origin, s.pitch_bytes);
+    out += fours;
+    count -= fours;
+  }
+#endif
+  for (; count > 0; --count, at.step()) *out++ = *detail::texel_at(s, upper_halves(at.v, at.u));
 #endif
 }
 
@@ -82,7 +92,15 @@ inline void nearest_masked_run(uint16_t* out, int count, const walk& from, const
   if ((from.ddu | from.ddv) == 0) dsp::nearest_masked_straight(out, count, from, detail::address(s), detail::to_bytes(s), masks);
   else dsp::nearest_masked_bent(out, count, from, detail::address(s), detail::to_bytes(s), masks);
 #else
-  for (walk at = from; count > 0; --count, at.step()) *out++ = *detail::texel_at(s, upper_halves(at.v, at.u) & masks);
+  walk at = from;
+#if SPANTEX_ROWS_THUMB1
+  if (const int fours = count & ~3; fours != 0) {
+    thumb1::nearest_masked(out, fours, at, s.origin, masks);
+    out += fours;
+    count -= fours;
+  }
+#endif
+  for (; count > 0; --count, at.step()) *out++ = *detail::texel_at(s, upper_halves(at.v, at.u) & masks);
 #endif
 }
 

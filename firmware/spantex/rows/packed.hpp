@@ -12,6 +12,13 @@
 #define SPANTEX_ROWS_DSP 0
 #endif
 
+// Where code is to be small the plain loops are.
+#if defined(__thumb__) && !defined(__thumb2__) && defined(__ARMEL__) && defined(__OPTIMIZE__) && !defined(__OPTIMIZE_SIZE__)
+#define SPANTEX_ROWS_THUMB1 1
+#else
+#define SPANTEX_ROWS_THUMB1 0
+#endif
+
 namespace spantex::rows {
 
 // Texels may lie in memory that was written as words.
