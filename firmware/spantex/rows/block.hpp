@@ -64,6 +64,18 @@ constexpr uint64_t largest_of(const reference& r, int32_t reach, int unit_log2) 
   return (larger > slope ? larger : slope) | uint64_t(r.w) >> 8 | 1;
 }
 
+// Upper word of a product; y >= 0. In 16-bit pieces where a product of 64 bits would be a call.
+constexpr int32_t upper_word(int32_t x, int32_t y) {
+#if defined(__thumb__) && !defined(__thumb2__)
+  const int32_t x1 = x >> 16, y1 = y >> 16;
+  const uint32_t x0 = uint32_t(x) & 0xFFFF, y0 = uint32_t(y) & 0xFFFF;
+  const int32_t middle = x1 * int32_t(y0) + int32_t(x0 * y0 >> 16);
+  return x1 * y1 + (middle >> 16) + int32_t((x0 * uint32_t(y1) + (uint32_t(middle) & 0xFFFF)) >> 16);
+#else
+  return int32_t(int64_t(x) * y >> 32);
+#endif
+}
+
 // Quotients by W of numbers no larger than `largest`: numbers and 1/W cut to 31 bits (floor), the upper word of the product, to nearest.
 class quotients {
  public:
@@ -71,7 +83,7 @@ class quotients {
       : inverse_(int32_t(r.inverse_w.y >> 1)), drop_(bit_length(largest) - 31), shift_(30 + r.inverse_w.exponent - drop_) {}
   constexpr int32_t at(int64_t n, int scale) const {
     const int32_t x = drop_ >= 0 ? int32_t(n >> drop_) : int32_t(n) * (1 << -drop_);
-    return shift_right(int32_t(int64_t(x) * inverse_ >> 32), shift_ - scale);
+    return shift_right(upper_word(x, inverse_), shift_ - scale);
   }
 
  private:

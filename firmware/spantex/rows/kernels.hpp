@@ -76,10 +76,10 @@ inline void nearest_run(uint16_t* out, int count, const walk& from, const source
 #else
   walk at = from;
 #if SPANTEX_ROWS_THUMB1
-  if (const int fours = count & ~3; fours != 0) {
-    thumb1::nearest(out, fours, at, s.origin, s.pitch_bytes);
-    out += fours;
-    count -= fours;
+  if (const int most = count & ~7; most != 0) {
+    thumb1::nearest(out, most, at, s.origin, s.pitch_bytes);
+    out += most;
+    count -= most;
   }
 #endif
   for (; count > 0; --count, at.step()) *out++ = *detail::texel_at(s, upper_halves(at.v, at.u));
@@ -94,10 +94,10 @@ inline void nearest_masked_run(uint16_t* out, int count, const walk& from, const
 #else
   walk at = from;
 #if SPANTEX_ROWS_THUMB1
-  if (const int fours = count & ~3; fours != 0) {
-    thumb1::nearest_masked(out, fours, at, s.origin, masks);
-    out += fours;
-    count -= fours;
+  if (const int most = count & ~7; most != 0 && thumb1::masks_fit(masks)) {
+    thumb1::nearest_masked(out, most, at, s.origin, masks);
+    out += most;
+    count -= most;
   }
 #endif
   for (; count > 0; --count, at.step()) *out++ = *detail::texel_at(s, upper_halves(at.v, at.u) & masks);
