@@ -21,6 +21,9 @@ struct source {
 
 #if SPANTEX_ROWS_DSP
 #include <spantex/rows/kernels_dsp.hpp>
+#if SPANTEX_ROWS_MVE
+#include <spantex/rows/kernels_mve.hpp>
+#endif
 #elif SPANTEX_ROWS_THUMB1
 #include <spantex/rows/kernels_thumb1.hpp>
 #endif
@@ -105,7 +108,7 @@ inline void nearest_masked_run(uint16_t* out, int count, const walk& from, const
 }
 
 // Snapped positions (sample.hpp).
-[[gnu::noinline]] inline void bilinear_run(uint16_t* out, int count, const walk& from, const source& s, scratch& between) {
+[[gnu::noinline]] inline void bilinear_run_by_ones(uint16_t* out, int count, const walk& from, const source& s, scratch& between) {
 #if SPANTEX_ROWS_DSP
   if ((from.ddu | from.ddv) == 0) dsp::weighted_places_straight(between.words, count, from, detail::address(s), detail::to_bytes(s));
   else dsp::weighted_places(between.words, count, from, detail::address(s), detail::to_bytes(s));
@@ -118,6 +121,33 @@ inline void nearest_masked_run(uint16_t* out, int count, const walk& from, const
     *out++ = uint16_t((rb >> 26) << 11 | (g >> 10) << 5 | (rb >> 10 & 31));
   }
 #endif
+}
+
+#if SPANTEX_ROWS_MVE
+namespace detail {
+
+// Offsets of lanes are unsigned: from the corner of the run's box. False if they do not fit, or if the run is short.
+[[gnu::noinline]] inline bool vectors_take(uint16_t* out, int count, const walk& from, const source& s) {
+  const walk end = advanced(from, count - 1);
+  const int32_t more_u = int32_t(magnitude(from.ddu)) * count * count / 8, more_v = int32_t(magnitude(from.ddv)) * count * count / 8;
+  const int32_t u = ((from.u < end.u ? from.u : end.u) - more_u) >> 16, v0 = from.v < end.v ? from.v : end.v, v1 = from.v < end.v ? end.v : from.v;
+  const int32_t v = (v0 - more_v) >> 16, rows = ((v1 + more_v) >> 16) - v + 2, pitch = s.pitch_bytes / 2;
+  if (count < 5 || !mve::offsets_fit(rows, pitch)) return false;
+  walk at = from;
+  at.u -= u * (1 << 16);
+  at.v -= v * (1 << 16);
+  mve::bilinear(out, count, at, s.origin + (v * pitch + u), pitch);
+  return true;
+}
+
+}  // namespace detail
+#endif
+
+inline void bilinear_run(uint16_t* out, int count, const walk& from, const source& s, scratch& between) {
+#if SPANTEX_ROWS_MVE
+  if (detail::vectors_take(out, count, from, s)) return;
+#endif
+  bilinear_run_by_ones(out, count, from, s, between);
 }
 
 [[gnu::noinline]] inline void three_point_run(uint16_t* out, int count, const walk& from, const source& s, scratch& between) {

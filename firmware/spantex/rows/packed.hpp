@@ -12,6 +12,12 @@
 #define SPANTEX_ROWS_DSP 0
 #endif
 
+#if SPANTEX_ROWS_DSP && defined(__ARM_FEATURE_MVE) && __ARM_FEATURE_MVE
+#define SPANTEX_ROWS_MVE 1
+#else
+#define SPANTEX_ROWS_MVE 0
+#endif
+
 // Where code is to be small the plain loops are.
 #if defined(__thumb__) && !defined(__thumb2__) && defined(__ARMEL__) && defined(__OPTIMIZE__) && !defined(__OPTIMIZE_SIZE__)
 #define SPANTEX_ROWS_THUMB1 1
