@@ -8,9 +8,10 @@ namespace spantex::rows {
 
 struct reference_position { block b; int i, j; };
 
-inline bool find_block(const plane& p, int32_t x, int32_t y, level_terms levels, reference_position& out) {
+// last_level < 0: a filter without levels.
+inline bool find_block(const plane& p, int32_t x, int32_t y, int last_level, reference_position& out) {
   for (int k = largest_block_log2; k >= 0; --k)
-    if (block_at(p, x >> k, y >> k, k, levels, out.b)) {
+    if (last_level < 0 ? block_at<false>(p, x >> k, y >> k, k, {}, out.b) : block_at<true>(p, x >> k, y >> k, k, {last_level, 0}, out.b)) {
       out.i = int(x & ((1 << k) - 1));
       out.j = int(y & ((1 << k) - 1));
       return true;
@@ -42,7 +43,7 @@ inline level_walk on_level(const reference_position& at, int level, int32_t offs
 // False: nothing is drawn.
 inline bool reference_pixel(const plane& p, const texture_view& t, filter kind, int32_t x, int32_t y, uint16_t& out) {
   reference_position at;
-  if (!find_block(p, x, y, {uses_levels(kind) ? t.last_level() : -1, 0}, at)) return false;
+  if (!find_block(p, x, y, uses_levels(kind) ? t.last_level() : -1, at)) return false;
   const auto one = [&](int level) {
     const level_walk w = on_level(at, level, kind == filter::nearest ? 0 : snap);
     if (kind == filter::nearest) return pixel_of<filter::nearest>(level_of(t, level), w);

@@ -3,7 +3,7 @@
 // the frame buffer would be the display's; under the emulator it becomes a file of the host (tools/demo_m4 makes a PNG of it).
 #include <spantex/rows/draw.hpp>
 
-#include "../targets/semihosting.hpp"
+#include <firmware/targets/semihosting.hpp>
 
 using namespace spantex;
 

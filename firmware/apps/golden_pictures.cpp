@@ -2,7 +2,7 @@
 // The small pictures of one profile (-DSPANTEX_PROFILE=seed, compact, standard or exact) and their hashes, in the lines of tests/golden/picture_hashes.txt.
 #include "picture_hashes.hpp"
 
-#include "../targets/console.hpp"
+#include <firmware/targets/console.hpp>
 
 using namespace spantex;
 using word_lengths = fixed_profile<profiles::SPANTEX_PROFILE>;

@@ -4,7 +4,7 @@
 // display, and is drawn by a device of 16 KiB of RAM.
 #include "rows_scenes.hpp"
 
-#include "../targets/console.hpp"
+#include <firmware/targets/console.hpp>
 
 using namespace spantex;
 

@@ -127,7 +127,7 @@ static exactness measure(const homography& m, int32_t w, int32_t h) {
       const int128 d = at(m.g, m.h, m.i), nu = at(m.a, m.b, m.c), nv = at(m.d, m.e, m.f);
       if (d <= 0) continue;
       rows::reference_position found;
-      if (!rows::find_block(p, x, y, {-1, 0}, found)) continue;
+      if (!rows::find_block(p, x, y, -1, found)) continue;
       const rows::exact_position q = rows::position_on_level_0(found);
       const auto floor_of = [](int128 n, int128 by) { return int64_t(n / by - (n % by < 0 ? 1 : 0)); };
       const int64_t u = floor_of(nu * 65536, d), v = floor_of(nv * 65536, d);

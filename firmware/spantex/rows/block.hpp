@@ -65,6 +65,9 @@ constexpr uint64_t largest_of(const reference& r, int32_t reach, int unit_log2) 
 }
 
 // Upper word of a product; y >= 0. In 16-bit pieces where a product of 64 bits would be a call.
+#if defined(__thumb__) && !defined(__thumb2__)
+[[gnu::noinline]]
+#endif
 constexpr int32_t upper_word(int32_t x, int32_t y) {
 #if defined(__thumb__) && !defined(__thumb2__)
   const int32_t x1 = x >> 16, y1 = y >> 16;
@@ -116,11 +119,12 @@ constexpr int unit_of(int32_t level, int last_level) { return clamp_to(level >> 
 
 }  // namespace detail
 
-// What a block's level of detail needs: last_level < 0 for filters without levels.
+// What a block's level of detail needs; ignored without Levels.
 struct level_terms { int last_level, bias; };
 
 // Coordinates of block (bx, by) of side 2^k. False (and `out` undefined) if the block must be cut, or if k = 0 and the pixel is not in front of the viewer.
-[[gnu::noinline]] constexpr bool block_at(const plane& p, int32_t bx, int32_t by, int k, level_terms levels, block& out) {
+template <bool Levels>
+constexpr bool block_at(const plane& p, int32_t bx, int32_t by, int k, level_terms levels, block& out) {
   const int32_t hx = (2 * bx + 1) * (1 << k), hy = (2 * by + 1) * (1 << k), reach = reach_of(k);
   if (p.w_at(hx, hy) <= 0) return false;
   const reference r = reference_at(p, hx, hy);
@@ -128,7 +132,7 @@ struct level_terms { int last_level, bias; };
   o.k = int8_t(k);
   o.unit_log2 = 0;
   o.level = 0;
-  if (levels.last_level >= 0) {
+  if constexpr (Levels) {
     o.level = detail::level_at_centre(p, r.w, levels.bias);
     o.unit_log2 = int8_t(k == 0 ? 0 : detail::unit_of(o.level, levels.last_level));
   }

@@ -121,13 +121,20 @@ class painter {
     const int32_t top = max_of(area_.y0 - y0, 0), bottom = min_of(area_.y1 - y0, side);
     if (left >= right || top >= bottom || !cover_.prepare(x0, y0, k)) return true;
     block& b = memory_.coordinates;
-    if (!block_at(plane_, x0 >> k, y0 >> k, k, {uses_levels(Kind) ? map_.last_level() : -1, 0}, b)) return false;
+    // Inlined where code is to be least; else its frame is not to lie under the kernels'.
+    if constexpr (Map == map_kind::repeats_in_powers_of_two) {
+      if (!block_at<false>(plane_, x0 >> k, y0 >> k, k, {}, b)) return false;
+    } else {
+      if (!place(x0 >> k, y0 >> k, k, b)) return false;
+    }
     const block_part part{x0, y0, int8_t(left), int8_t(right), int8_t(top), int8_t(bottom)};
     if constexpr (Map == map_kind::repeats_in_powers_of_two) draw_masked(b, part);
     else if constexpr (uses_levels(Kind)) draw_with_levels(b, part);
     else draw_with_level(b, part, 0, Kind == filter::nearest ? 0 : snap);
     return true;
   }
+
+  [[gnu::noinline]] bool place(int32_t bx, int32_t by, int k, block& b) { return block_at<uses_levels(Kind)>(plane_, bx, by, k, {map_.last_level(), 0}, b); }
 
   struct block_part { int32_t x0, y0; int8_t left, right, top, bottom; };
 
