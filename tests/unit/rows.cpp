@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include <firmware/apps/rows_scenes.hpp>
+#include <spantex/rows/small_plane.hpp>
 #include <tests/rows_reference.hpp>
 
 using namespace spantex;
@@ -205,6 +206,28 @@ SPANTEX_CASE(maps_and_filters_that_rows_do_not_have_are_refused) {
   SPANTEX_ASSERT_STATUS(rows::draw_any(filter::nearest, state, target, p, wrong, screen), out_of_range);
 }
 
+SPANTEX_CASE(set_up_in_64_bits_gives_the_plane_of_128) {
+  random_source random(9);
+  int made = 0;
+  for (int n = 0; n < 20000; ++n) {
+    const int64_t slope = int64_t(1) << random.between(4, 39), constant = int64_t(1) << random.between(4, 51);
+    const auto x = [&](int64_t most) { return random.between(-most, most); };
+    const rows::homography64 m{x(slope), x(slope), x(constant), x(slope), x(slope), x(constant), x(slope), x(slope), x(constant)};
+    static plane wide, small;
+    const rectangle region{0, 0, between(random, 1, 4096), between(random, 1, 4096)};
+    const status a = make_plane({m.a, m.b, m.c, m.d, m.e, m.f, m.g, m.h, m.i}, region, wide), b = rows::make_small_plane<true>(m, region, small);
+    assert_int_equal(int(a), int(b));
+    if (a != status::ok) continue;
+    ++made;
+    const linear_form *const w[] = {&wide.u, &wide.v, &wide.w}, *const s[] = {&small.u, &small.v, &small.w};
+    for (int k = 0; k < 3; ++k) assert_true(w[k]->x == s[k]->x && w[k]->y == s[k]->y && w[k]->c == s[k]->c);
+    assert_true(wide.origin_x == small.origin_x && wide.origin_y == small.origin_y && wide.major_log2 == small.major_log2);
+  }
+  assert_true(made > 5000);
+  static plane p;
+  assert_int_equal(int(rows::make_small_plane<false>({int64_t(1) << 40, 0, 0, 0, 0, 0, 0, 0, 1}, {0, 0, 8, 8}, p)), int(status::out_of_range));
+}
+
 int main() {
   const CMUnitTest tests[] = {
       cmocka_unit_test(kernels_draw_what_the_specification_says_repeat),
@@ -216,6 +239,7 @@ int main() {
       cmocka_unit_test(positions_keep_their_bound),
       cmocka_unit_test(colours_lie_between_their_texels_and_constants_stay),
       cmocka_unit_test(maps_and_filters_that_rows_do_not_have_are_refused),
+      cmocka_unit_test(set_up_in_64_bits_gives_the_plane_of_128),
   };
   return run_suite("rows", tests);
 }
