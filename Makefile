@@ -27,7 +27,7 @@ HOST_OBJECTS := $(HOST_SOURCES:%.cpp=$(B)/%.o)
 TOOL_OBJECTS := $(TOOL_SOURCES:%.cpp=$(B)/%.o)
 UNIT_TESTS   := $(UNIT_SOURCES:tests/unit/%.cpp=$(B)/tests/%)
 
-.PHONY: all demo compare test stress stress-bench test-gpio fuzz sanitize check-gates unit-tests clean help setup-build setup-test setup-demo setup-compare
+.PHONY: all demo demo-m4 compare test targets sizes stress stress-bench test-gpio fuzz sanitize check-gates unit-tests clean help setup-build setup-test setup-demo setup-compare setup-devices
 
 all: setup-build ## build the command: build/spantex
 	@$(MAKE) --no-print-directory -j$(JOBS) $(B)/spantex
@@ -44,6 +44,17 @@ test: setup-build setup-test setup-demo ## run every test; T=suite.case runs one
 
 TESTS_OF_T = $(filter $(B)/tests/$(subst *,%,$(firstword $(subst ., ,$(T)))),$(UNIT_TESTS))
 unit-tests: $(UNIT_TESTS)
+
+targets: setup-devices ## every core under emulation: the host's pictures bit for bit, instructions a pixel against the baseline, code sizes
+	@tools/count_instructions --build $(B)
+	@tools/size_report --build $(B)
+	@tools/device_pictures --build $(B)
+
+sizes: setup-devices ## code, state and stack of the device library on Cortex-M0+ against their limits; forbidden symbols
+	@tools/size_report --build $(B)
+
+demo-m4: setup-devices setup-build ## a picture drawn by an emulated Cortex-M4: build/demo-m4.png
+	@tools/demo_m4 --build $(B)
 
 stress: setup-build all ## every stage of the numerics against exact arithmetic, 10^9 evaluations a profile; tables in build/stress
 	@mkdir -p $(B)/stress
@@ -95,8 +106,9 @@ help: ## list the targets
 	@sed -n 's/^\([a-z][a-z0-9-]*\):.*## \(.*\)/  make \1\t\2/p' $(MAKEFILE_LIST) | expand -t 24
 
 setup-build: ; @tools/setup build
-setup-test: ; @tools/setup test cross emulate bench
+setup-test: ; @tools/setup test cross emulate devices bench
 setup-demo: ; @tools/setup demo
+setup-devices: ; @tools/setup devices
 setup-compare: ; @tools/setup compare
 
 $(B)/spantex: $(TOOL_OBJECTS) $(HOST_OBJECTS)

@@ -99,6 +99,9 @@ class texture_view {
   }
   constexpr texel_format format() const { return format_; }
 
+  // Of a 16-bit format: the level's texels, for who samples them where they lie.
+  constexpr const uint16_t __attribute__((__may_alias__))* numbers(int level) const { return levels_[level].numbers; }
+
   // Of a compressed format: the block with texels (4 bx .. 4 bx + 3, 4 by .. 4 by + 3).
   constexpr void decode_block(int level, int32_t bx, int32_t by, texel_block& out) const {
     decode_(levels_[level].bytes + (by * blocks_across(width(level)) + bx) * int32_t(block_bytes(format_)), out);

@@ -20,6 +20,8 @@ COMPILERS = {
 
 def headers():
     found = [f"spantex/{p.name}" for p in sorted((ROOT / "firmware/spantex").glob("*.hpp"))]
+    # Kernels of one kind of core are parts of kernels.hpp.
+    found += [f"spantex/rows/{p.name}" for p in sorted((ROOT / "firmware/spantex/rows").glob("*.hpp")) if not p.name.startswith("kernels_")]
     bench = [f"firmware/bench/{p.name}" for p in sorted((ROOT / "firmware/bench").glob("*.hpp"))]
     return found + bench + ["hal/engine.hpp", "hal/direct_engine.hpp", "hal/span_archive.hpp"]
 

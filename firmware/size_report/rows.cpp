@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+// The smallest programs, for their size: set-up of a plane and one filter into a frame buffer, memory from the caller. -DSPANTEX_FILTER=nearest or
+// another; what a feature adds: SPANTEX_ANY_MAP (nearest without a promise about the map), SPANTEX_POLYGONS, SPANTEX_WIDE (128-bit set-up).
+#include <spantex/rows/draw.hpp>
+#include <spantex/rows/small_plane.hpp>
+
+using namespace spantex;
+
+static_assert(sizeof(rows::state) <= 1024, "spantex: the state of rows is below 1 KiB");
+
+constexpr filter kind = filter::SPANTEX_FILTER;
+#ifdef SPANTEX_ANY_MAP
+constexpr rows::map_kind map_kind = rows::map_kind::any;
+#else
+constexpr rows::map_kind map_kind = kind == filter::nearest ? rows::map_kind::repeats_in_powers_of_two : rows::map_kind::any;
+#endif
+
+extern "C" {
+
+#ifdef SPANTEX_WIDE
+int set_up(const homography& m, const rectangle& screen, plane& out) { return int(make_plane(m, screen, out)); }
+#else
+int set_up(const rows::homography64& m, const rectangle& screen, plane& out) { return int(rows::make_small_plane<uses_levels(kind)>(m, screen, out)); }
+#endif
+
+int draw_plane(rows::state& state, const rows::frame565& frame, const plane& p, const texture_view& map, const rectangle& area) {
+  return int(rows::draw<kind, map_kind>(state, frame, p, map, area));
+}
+
+#ifdef SPANTEX_POLYGONS
+int set_up_polygon(const vertex* corners, int count, const projection& camera, const rectangle& screen, polygon& out) {
+  return int(make_polygon(corners, count, camera, screen, out));
+}
+int draw_polygon(rows::state& state, const rows::frame565& frame, const polygon& p, const texture_view& map) {
+  return int(rows::draw<kind>(state, frame, p, map));
+}
+#endif
+
+}  // extern "C"

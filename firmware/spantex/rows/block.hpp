@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: Apache-2.0
+// Rows: texture coordinates for a core that samples the map where it lies (docs/SPEC.md "Rows"; errors: docs/ACCURACY.md "Rows").
+//
+// The screen is cut into aligned blocks of 2^k x 2^k pixels, 32 down to 1. Block: one division, numerators rebased on a whole texel as in
+// coordinates.hpp, cut to 16 bits. Row: 1/w at the middle of the row by a series in 16-bit products; what is left of the perspective along
+// the row is a polynomial of second degree with integer coefficients,
+//   u(i) = start + i step + i (i - 1)/2 bend        2^-16 texel, exactly,
+// so a pixel takes two additions a coordinate and the order of evaluation cannot matter. A block is as large as that is true to
+// 2^-row_tolerance_bits texel. Products are of 16-bit numbers, sums of 32: the same on Cortex-M0+ as with DSP instructions.
+#pragma once
+#include <stdint.h>
+
+#include <spantex/bits.hpp>
+#include <spantex/coordinates.hpp>
+#include <spantex/plane.hpp>
+
+namespace spantex::rows {
+
+inline constexpr int largest_block_log2 = 5;
+inline constexpr int row_tolerance_bits = 6;
+
+// One coordinate of a block about its centre, hx and hy in half pixels: u - base = (c + a hx + b hy) / (1 + g hx + h hy).
+struct block_axis {
+  int32_t base;   // whole texels of level 0
+  int32_t offset; // added to every position, 2^-16 unit; a unit is 2^unit_log2 texels
+  int32_t c;      // 2^-16
+  int32_t b;      // 2^-(16 + k)
+  int32_t slope;  // a - c g: w^2 du/dhx in the middle row; 2^-(16 + k)
+  int32_t twist;  // a h - b g: what it gains per hy; 2^-(16 + k)
+};
+
+struct block {
+  block_axis u, v;
+  int32_t g, h;   // 2^-(16 + k)
+  int32_t level;  // level of detail at the centre, s.16; filters with levels
+  int8_t k;       // side 2^k
+  int8_t unit_log2;
+};
+
+// Positions pixel after pixel, 2^-16 unit, relative to a whole texel: u(i) = u + i du + i (i - 1)/2 ddu.
+struct walk {
+  int32_t u, v, du, dv, ddu, ddv;
+  SPANTEX_WRAPS constexpr void step() { u += du; v += dv; du += ddu; dv += ddv; }
+};
+
+SPANTEX_WRAPS constexpr walk advanced(const walk& w, int i) {
+  const int32_t pairs = i * (i - 1) / 2;
+  return {w.u + i * w.du + pairs * w.ddu, w.v + i * w.dv + pairs * w.ddv, w.du + i * w.ddu, w.dv + i * w.ddv, w.ddu, w.ddv};
+}
+
+// Half pixels from the centre to the outermost pixel centres.
+constexpr int32_t reach_of(int k) { return (1 << k) - 1; }
+
+namespace detail {
+
+// The largest number that quotients are taken of; 0 where they would have more than 16 bits: |e| <= 1/8, reach below 96 units.
+constexpr uint64_t largest_of(const reference& r, int32_t reach, int unit_log2) {
+  if (!r.u_in_range || !r.v_in_range) return 0;
+  const uint64_t slope = uint64_t(reach) * (magnitude(r.g) + magnitude(r.h)), most = uint64_t(r.w) * (uint64_t(96) << unit_log2);
+  const uint64_t u = magnitude(r.c_u) + uint64_t(reach) * (magnitude(r.a_u) + magnitude(r.b_u));
+  const uint64_t v = magnitude(r.c_v) + uint64_t(reach) * (magnitude(r.a_v) + magnitude(r.b_v));
+  if (slope > uint64_t(r.w) / 8 || u >= most || v >= most) return 0;
+  const uint64_t larger = u > v ? u : v;
+  return (larger > slope ? larger : slope) | uint64_t(r.w) >> 8 | 1;
+}
+
+// Upper word of a product; y >= 0. In 16-bit pieces where a product of 64 bits would be a call.
+#if defined(__thumb__) && !defined(__thumb2__)
+[[gnu::noinline]]
+#endif
+constexpr int32_t upper_word(int32_t x, int32_t y) {
+#if defined(__thumb__) && !defined(__thumb2__)
+  const int32_t x1 = x >> 16, y1 = y >> 16;
+  const uint32_t x0 = uint32_t(x) & 0xFFFF, y0 = uint32_t(y) & 0xFFFF;
+  const int32_t middle = x1 * int32_t(y0) + int32_t(x0 * y0 >> 16);
+  return x1 * y1 + (middle >> 16) + int32_t((x0 * uint32_t(y1) + (uint32_t(middle) & 0xFFFF)) >> 16);
+#else
+  return int32_t(int64_t(x) * y >> 32);
+#endif
+}
+
+// Quotients by W of numbers no larger than `largest`: numbers and 1/W cut to 31 bits (floor), the upper word of the product, to nearest.
+class quotients {
+ public:
+  constexpr quotients(const reference& r, uint64_t largest)
+      : inverse_(int32_t(r.inverse_w.y >> 1)), drop_(bit_length(largest) - 31), shift_(30 + r.inverse_w.exponent - drop_) {}
+  constexpr int32_t at(int64_t n, int scale) const {
+    const int32_t x = drop_ >= 0 ? int32_t(n >> drop_) : int32_t(n) * (1 << -drop_);
+    return shift_right(upper_word(x, inverse_), shift_ - scale);
+  }
+
+ private:
+  int32_t inverse_;
+  int drop_, shift_;
+};
+
+constexpr block_axis axis_of(int64_t c, int64_t a, int64_t b, int32_t base, const quotients& by_w, const block& o) {
+  const int bits = 16 + o.k - o.unit_log2;
+  const int32_t qa = by_w.at(a, bits), qb = by_w.at(b, bits), qc = by_w.at(c, 16 - o.unit_log2);
+  return {base, 0, qc, qb, qa - ((qc >> 6) * o.g >> 10), ((qa >> 9) * o.h - (qb >> 9) * o.g) >> (7 + o.k)};
+}
+
+// The term of third degree, at most a X (g X)^2 units, X the reach, is replaced by its best line: a quarter of it is left.
+constexpr bool bends_little(const block& o, int32_t reach) {
+  const auto size = [](int32_t x) { return x < 0 ? -x : x; };
+  const int32_t e = size(o.g) * reach >> (o.k + 1);                                    // 2^-15
+  const int32_t square = e * e >> 15;
+  const auto steepest = [&](const block_axis& x) { return size(x.slope) + reach * size(x.twist); };  // of all rows
+  const int32_t steeper = steepest(o.u) > steepest(o.v) ? steepest(o.u) : steepest(o.v);
+  const int32_t extent = (steeper >> 9) * reach >> (o.k - 1);                          // 2^-8
+  return extent * square <= 1 << (23 + 2 - row_tolerance_bits);
+}
+
+// Level of detail: KT88's formula about the pixel interval, log2 K - 2 log2 W - 1, with an extra bias in 1/16 level.
+constexpr int32_t level_at_centre(const plane& p, int64_t w, int bias) { return p.major_log2 - 2 * log2_16(uint64_t(w)) - (1 << 16) + bias * (1 << 12); }
+
+// A unit is a texel of the finer level at the centre; of level 0 for filters without levels.
+constexpr int unit_of(int32_t level, int last_level) { return clamp_to(level >> 16, 0, last_level); }
+
+}  // namespace detail
+
+// What a block's level of detail needs; ignored without Levels.
+struct level_terms { int last_level, bias; };
+
+// Coordinates of block (bx, by) of side 2^k. False (and `out` undefined) if the block must be cut, or if k = 0 and the pixel is not in front of the viewer.
+template <bool Levels>
+constexpr bool block_at(const plane& p, int32_t bx, int32_t by, int k, level_terms levels, block& out) {
+  const int32_t hx = (2 * bx + 1) * (1 << k), hy = (2 * by + 1) * (1 << k), reach = reach_of(k);
+  if (p.w_at(hx, hy) <= 0) return false;
+  const reference r = reference_at(p, hx, hy);
+  block& o = out;
+  o.k = int8_t(k);
+  o.unit_log2 = 0;
+  o.level = 0;
+  if constexpr (Levels) {
+    o.level = detail::level_at_centre(p, r.w, levels.bias);
+    o.unit_log2 = int8_t(k == 0 ? 0 : detail::unit_of(o.level, levels.last_level));
+  }
+  if (k == 0) {  // a coordinate out of range is +-32767
+    const detail::quotients by_w(r, magnitude(r.c_u) | magnitude(r.c_v) | uint64_t(r.w));
+    o.g = o.h = 0;
+    o.u = {r.base_u, 0, r.u_in_range ? by_w.at(r.c_u, 16) : 0, 0, 0, 0};
+    o.v = {r.base_v, 0, r.v_in_range ? by_w.at(r.c_v, 16) : 0, 0, 0, 0};
+    return true;
+  }
+  const uint64_t largest = detail::largest_of(r, reach, o.unit_log2);
+  if (largest == 0) return false;
+  const detail::quotients by_w(r, largest);
+  o.g = by_w.at(r.g, 16 + k);
+  o.h = by_w.at(r.h, 16 + k);
+  o.u = detail::axis_of(r.c_u, r.a_u, r.b_u, r.base_u, by_w, o);
+  o.v = detail::axis_of(r.c_v, r.a_v, r.b_v, r.base_v, by_w, o);
+  return detail::bends_little(o, reach);
+}
+
+namespace detail {
+
+// 1/(1 + e) = 1 - q, four terms; e and q 2^-17, |e| <= 1/8: off by less than 2^-14.8.
+constexpr int32_t series_of(int32_t e) {
+  int32_t q = e;
+  for (int n = 0; n < 3; ++n) q = e - (e * q >> 17);
+  return q;
+}
+
+// 1 - 1/w, 2^-17; 1 - 1/w^2, 2^-16; g / w; 3/4 (g X / w)^2, 2^-15.
+struct row_terms { int32_t q, q2, g, third; };
+
+// Position at the middle of a row, and its derivative by hx, 2^-(16 + k).
+struct middle { int32_t position, slope; };
+constexpr middle middle_of(const block_axis& x, int32_t hy, const row_terms& t, int k) {
+  const int32_t n = x.c + (x.b * hy >> k), slope = x.slope + x.twist * hy;
+  return {n - ((n >> 8) * t.q >> 9), slope - ((slope >> 9) * t.q2 >> 7)};
+}
+
+struct row_axis { int32_t start, step, bend; };
+constexpr row_axis bent(const middle& m, const row_terms& t, int k) {
+  const int32_t reach = reach_of(k), slope = m.slope >> 9;
+  const int32_t bend = shift_right(-(slope * t.g), 4 + 2 * k), half = (m.slope + (slope * t.third >> 6)) >> k;
+  return {m.position - reach * half + (reach * reach * bend >> 3), 2 * half - (reach >> 1) * bend, bend};
+}
+
+}  // namespace detail
+
+// Row j of a block.
+constexpr void row_at(const block& b, int j, walk& out) {
+  if (b.k == 0) {
+    out = {b.u.c + b.u.offset, b.v.c + b.v.offset, 0, 0, 0, 0};
+    return;
+  }
+  const int k = b.k;
+  const int32_t reach = reach_of(k), hy = 2 * j - reach, q = detail::series_of(b.h * hy >> (k - 1));
+  detail::row_terms t{q, q - (q * q >> 18), 0, 0};
+  const detail::middle u = detail::middle_of(b.u, hy, t, k), v = detail::middle_of(b.v, hy, t, k);
+  if (b.g == 0) {
+    const int32_t half_u = u.slope >> k, half_v = v.slope >> k;
+    out = {u.position - reach * half_u + b.u.offset, v.position - reach * half_v + b.v.offset, 2 * half_u, 2 * half_v, 0, 0};
+    return;
+  }
+  t.g = b.g - (b.g * q >> 17);
+  const int32_t e = t.g * reach >> (k + 1);  // 2^-15
+  t.third = 3 * (e * e >> 15) >> 2;
+  const detail::row_axis x = detail::bent(u, t, k), y = detail::bent(v, t, k);
+  out = {x.start + b.u.offset, y.start + b.v.offset, x.step, y.step, x.bend, y.bend};
+}
+
+// Level of detail along row j, s.16: linear in the block. 2/ln 2 = 23637/8192.
+struct level_run { int32_t start, step; };
+constexpr level_run level_row_at(const block& b, int j) {
+  const auto per_half_pixel = [&](int32_t slope) { return -(slope * 23637 >> (13 + b.k)); };
+  const int32_t x = per_half_pixel(b.g), hy = 2 * j - reach_of(b.k);
+  return {b.level + per_half_pixel(b.h) * hy - x * reach_of(b.k), 2 * x};
+}
+
+}  // namespace spantex::rows

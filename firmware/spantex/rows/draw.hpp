@@ -1,0 +1,280 @@
+// SPDX-License-Identifier: Apache-2.0
+// Drawing by rows: planes and polygons from an RGB565 map in directly addressed memory to rows of RGB565. For cores without an engine beside them:
+// nothing is copied, coordinates are those of block.hpp (docs/SPEC.md "Rows"). The engine's profiles (draw.hpp) are more exact and know more.
+//
+//   target    where rows go: `texel565* row(x, y, count)` gives memory for that many pixels, `void done(x, y, count)` ends them. Rows arrive block by
+//             block; frame565 is a frame buffer, targets.hpp has others.
+//   filter    nearest, three_point, bilinear: level 0; mip_bilinear, trilinear: maps whose sides halve exactly.
+#pragma once
+#include <stdint.h>
+
+#include <spantex/coverage.hpp>
+#include <spantex/plane.hpp>
+#include <spantex/polygon.hpp>
+#include <spantex/rows/block.hpp>
+#include <spantex/rows/run.hpp>
+#include <spantex/status.hpp>
+#include <spantex/texture.hpp>
+
+namespace spantex::rows {
+
+// A frame buffer of RGB565, rows of `stride` pixels, caller's memory.
+struct frame565 {
+  texel565* pixels;
+  int32_t width, height, stride;
+
+  texel565* row(int32_t x, int32_t y, int32_t) const { return pixels + (y * stride + x); }
+  void done(int32_t, int32_t, int32_t) const {}
+};
+
+constexpr bool is_supported(filter kind) {
+  return kind == filter::nearest || kind == filter::three_point || kind == filter::bilinear || kind == filter::mip_bilinear || kind == filter::trilinear;
+}
+
+namespace detail {
+
+inline constexpr int largest_side = 1 << largest_block_log2;
+
+// Columns [from, to) of a row, bit i for column i.
+constexpr uint32_t columns(int32_t from, int32_t to) { return (to >= 32 ? 0xFFFFFFFFu : (1u << to) - 1) & ~((1u << from) - 1); }
+
+// Place of block `index` in Morton order within its 32 x 32 pixels.
+constexpr int32_t every_second_bit(uint32_t x) {
+  int32_t y = 0;
+  for (int k = 0; k < largest_block_log2; ++k) y |= int32_t(x >> 2 * k & 1) << k;
+  return y;
+}
+
+// Rectangles: the same columns in every row.
+struct rectangle_cover {
+  static constexpr bool whole_rows = true;
+  constexpr bool prepare(int32_t, int32_t, int) { return true; }
+  constexpr uint32_t row(int) const { return 0xFFFFFFFFu; }
+};
+
+// Polygons: the masks of the spans that a block consists of, or lies in.
+struct polygon_cover {
+  static constexpr bool whole_rows = false;
+  const edge_set* edges;
+  uint32_t rows[largest_side];
+
+  constexpr bool prepare(int32_t x0, int32_t y0, int k) {
+    const int side = 1 << k, spans = k <= 3 ? 1 : side / span_side;
+    uint32_t any = 0;
+    for (int j = 0; j < side; ++j) rows[j] = 0;
+    for (int sy = 0; sy < spans; ++sy)
+      for (int sx = 0; sx < spans; ++sx) {
+        const span_mask mask = coverage(*edges, x0 / span_side + sx, y0 / span_side + sy);
+        const int first = k <= 3 ? y0 % span_side : 0, left = k <= 3 ? x0 % span_side : 0, count = k <= 3 ? side : span_side;
+        for (int j = 0; j < count; ++j) {
+          const uint32_t bits = uint32_t(mask >> (span_side * (first + j)) & 0xFF) >> left & columns(0, count);
+          rows[sy * span_side + j] |= bits << (sx * span_side);
+          any |= bits;
+        }
+      }
+    return any != 0;
+  }
+  constexpr uint32_t row(int j) const { return rows[j]; }
+};
+
+}  // namespace detail
+
+// One surface being drawn. Its memory is the caller's: `state`, 400 bytes with what kernels work in.
+struct state {
+  block coordinates;
+  level_walk at;
+  scratch between;
+};
+
+// What is known of a map when the program is compiled. A map that repeats, with sides that are powers of two, needs the least code (nearest only).
+enum class map_kind : uint8_t { any, repeats_in_powers_of_two };
+
+template <filter Kind, class Target, class Cover, map_kind Map = map_kind::any>
+class painter {
+ public:
+  painter(const plane& p, const texture_view& t, const Target& target, rectangle area, const Cover& cover, state& memory)
+      : plane_(p), map_(t), target_(target), memory_(memory), area_(area), cover_(cover), masked_(wraps_by_mask(level_of(t, 0))) {}
+
+  void draw() {
+    constexpr int side = detail::largest_side;
+    for (int32_t y = area_.y0 & -side; y < area_.y1; y += side)
+      for (int32_t x = area_.x0 & -side; x < area_.x1; x += side) draw_square(x, y);
+  }
+
+ private:
+  // The largest aligned blocks that can be drawn, in Morton order.
+  void draw_square(int32_t x, int32_t y) {
+    constexpr int count = detail::largest_side * detail::largest_side;
+    int k = largest_block_log2;
+    for (int index = 0; index < count;) {
+      const int32_t x0 = x + detail::every_second_bit(uint32_t(index)), y0 = y + detail::every_second_bit(uint32_t(index) >> 1);
+      if (!draw_block(x0, y0, k) && k > 0) { --k; continue; }
+      index += 1 << 2 * k;
+      while (k < largest_block_log2 && (index & ((4 << 2 * k) - 1)) == 0) ++k;
+    }
+  }
+
+  // False if it must be cut.
+  bool draw_block(int32_t x0, int32_t y0, int k) {
+    const int32_t side = 1 << k;
+    const int32_t left = max_of(area_.x0 - x0, 0), right = min_of(area_.x1 - x0, side);
+    const int32_t top = max_of(area_.y0 - y0, 0), bottom = min_of(area_.y1 - y0, side);
+    if (left >= right || top >= bottom || !cover_.prepare(x0, y0, k)) return true;
+    block& b = memory_.coordinates;
+    // Inlined where code is to be least; else its frame is not to lie under the kernels'.
+    if constexpr (Map == map_kind::repeats_in_powers_of_two) {
+      if (!block_at<false>(plane_, x0 >> k, y0 >> k, k, {}, b)) return false;
+    } else {
+      if (!place(x0 >> k, y0 >> k, k, b)) return false;
+    }
+    const block_part part{x0, y0, int8_t(left), int8_t(right), int8_t(top), int8_t(bottom)};
+    if constexpr (Map == map_kind::repeats_in_powers_of_two) draw_masked(b, part);
+    else if constexpr (uses_levels(Kind)) draw_with_levels(b, part);
+    else draw_with_level(b, part, 0, Kind == filter::nearest ? 0 : snap);
+    return true;
+  }
+
+  [[gnu::noinline]] bool place(int32_t bx, int32_t by, int k, block& b) { return block_at<uses_levels(Kind)>(plane_, bx, by, k, {map_.last_level(), 0}, b); }
+
+  struct block_part { int32_t x0, y0; int8_t left, right, top, bottom; };
+
+  template <class Row>
+  [[gnu::always_inline]] void each_row(const block_part& part, const Row& draw_row) {
+    const uint32_t wanted = detail::columns(part.left, part.right);
+    for (int32_t j = part.top; j < part.bottom; ++j) {
+      int first = part.left, count = part.right - part.left;
+      if constexpr (!Cover::whole_rows) {
+        const uint32_t mask = cover_.row(j) & wanted;
+        if (mask == 0) continue;
+        first = __builtin_ctz(mask);
+        count = 32 - __builtin_clz(mask) - first;
+      }
+      draw_row(target_.row(part.x0 + first, part.y0 + j, count), first, count, j);
+      target_.done(part.x0 + first, part.y0 + j, count);
+    }
+  }
+
+  // Row j from pixel `first`, on a level for which offsets are set.
+  [[gnu::always_inline]] static void walk_from(const block& b, int j, int first, int level, walk& w) {
+    row_at(b, j, w);
+    if (level != b.unit_log2) w = detail::scaled(w, level - b.unit_log2);
+    if (first != 0) w = advanced(w, first);
+  }
+
+  // All pixels on one level.
+  [[gnu::noinline]] void draw_with_level(block& b, const block_part& part, int level, int32_t offset) {
+    constexpr filter kind = uses_levels(Kind) ? filter::bilinear : Kind;
+    const level_view t = level_of(map_, level);
+    source s{};
+    detail::set_offsets(b, level, offset);
+    if (detail::source_of_block(b, t, level, kind == filter::nearest ? 0 : 1, s)) {
+      each_row(part, [&](texel565* out, int first, int count, int j) {
+        walk_from(b, j, first, level, memory_.at.at);
+        run<kind>(out, count, memory_.at.at, s, memory_.between);
+      });
+      return;
+    }
+    if (kind == filter::nearest && masked_) return draw_masked(b, part);
+    memory_.at.base_u = detail::base_on(level, b.u.base);
+    memory_.at.base_v = detail::base_on(level, b.v.base);
+    each_row(part, [&](texel565* out, int first, int count, int j) {
+      walk_from(b, j, first, level, memory_.at.at);
+      draw_level<kind>(out, count, t, memory_.at, memory_.between);
+    });
+  }
+
+  // Texels of level 0 of a map that repeats in powers of two: masks wrap, no run is cut.
+  SPANTEX_WRAPS void draw_masked(block& b, const block_part& part) {
+    b.u.offset = int32_t(uint32_t(b.u.base) << 16);
+    b.v.offset = int32_t(uint32_t(b.v.base) << 16);
+    const uint32_t masks = uint32_t(map_.height() - 1) << 16 | uint32_t(map_.width() - 1);
+    const source s{map_.numbers(0), 2 * map_.width()};
+    each_row(part, [&](texel565* out, int first, int count, int j) {
+      walk_from(b, j, first, 0, memory_.at.at);
+      nearest_masked_run(out, count, memory_.at.at, s, masks);
+    });
+  }
+
+  // All pixels between two levels.
+  [[gnu::noinline]] void draw_with_two(block& b, const block_part& part, int level) {
+    const level_view t = level_of(map_, level), next = level_of(map_, level + 1);
+    source near{}, far{};
+    detail::set_offsets(b, level, snap);
+    const bool inside = detail::source_of_block(b, t, level, 1, near) && detail::source_of_coarser(b, next, level, far);
+    memory_.at.base_u = detail::base_on(level, b.u.base);
+    memory_.at.base_v = detail::base_on(level, b.v.base);
+    each_row(part, [&](texel565* out, int first, int count, int j) {
+      walk_from(b, j, first, level, memory_.at.at);
+      level_run d = level_row_at(b, j);
+      d.start += first * d.step + detail::level_rounding(Kind);
+      if (inside) trilinear_run(out, count, memory_.at.at, near, far, d, memory_.between);
+      else draw_between(out, count, t, next, memory_.at, d, memory_.between);
+    });
+  }
+
+  void draw_with_levels(block& b, const block_part& part) {
+    const detail::interval levels = detail::levels_of(b, detail::level_rounding(Kind), map_.last_level());
+    if (levels.low == levels.high) {
+      const int fine = max_of(levels.low, 0);
+      if (Kind == filter::mip_bilinear || levels.low < 0 || fine == map_.last_level()) draw_with_level(b, part, fine, snap);
+      else draw_with_two(b, part, fine);
+      return;
+    }
+    each_row(part, [&](texel565* out, int first, int count, int j) { draw_run<Kind>(out, first, count, map_, b, j, memory_.between); });
+  }
+
+  const plane& plane_;
+  const texture_view& map_;
+  const Target& target_;
+  state& memory_;
+  rectangle area_;
+  Cover cover_;
+  bool masked_;
+};
+
+// What a map must be. Errors: out_of_range (its format, a filter that rows do not have), bad_levels (sides that do not halve exactly).
+constexpr status check(const texture_view& t, filter kind) {
+  if (t.format() != texel_format::rgb565 || !is_supported(kind)) return status::out_of_range;
+  if (!uses_levels(kind)) return status::ok;
+  for (int level = 0; level < t.last_level(); ++level)
+    if (t.width(level) != 2 * t.width(level + 1) || t.height(level) != 2 * t.height(level + 1)) return status::bad_levels;
+  return status::ok;
+}
+
+// The part of a plane in front of the viewer inside `area`, which is cut to the target's `width` and `height`. Errors: those of check(); out_of_range for a
+// map that is not what `Map` says.
+template <filter Kind, map_kind Map = map_kind::any, class Target>
+status draw(state& memory, const Target& target, const plane& p, const texture_view& t, rectangle area) {
+  static_assert(Map == map_kind::any || Kind == filter::nearest, "spantex: only the nearest texel is wrapped by masks");
+  SPANTEX_TRY(check(t, Kind));
+  if (Map != map_kind::any && !wraps_by_mask(level_of(t, 0))) return status::out_of_range;
+  area = intersection(area, {0, 0, target.width, target.height});
+  if (area.empty()) return status::ok;
+  painter<Kind, Target, detail::rectangle_cover, Map>(p, t, target, area, {}, memory).draw();
+  return status::ok;
+}
+
+// A polygon. Errors: those of check().
+template <filter Kind, class Target>
+status draw(state& memory, const Target& target, const polygon& p, const texture_view& t) {
+  SPANTEX_TRY(check(t, Kind));
+  const rectangle area = intersection(p.box, {0, 0, target.width, target.height});
+  if (area.empty()) return status::ok;
+  painter<Kind, Target, detail::polygon_cover>(p.map, t, target, area, {&p.edges, {}}, memory).draw();
+  return status::ok;
+}
+
+// The same with the filter chosen at run time: all of them are linked.
+template <class Target, class... What>
+status draw_any(filter kind, state& memory, const Target& target, const What&... what) {
+  switch (kind) {
+    case filter::nearest: return draw<filter::nearest>(memory, target, what...);
+    case filter::three_point: return draw<filter::three_point>(memory, target, what...);
+    case filter::bilinear: return draw<filter::bilinear>(memory, target, what...);
+    case filter::mip_bilinear: return draw<filter::mip_bilinear>(memory, target, what...);
+    case filter::trilinear: return draw<filter::trilinear>(memory, target, what...);
+    default: return status::out_of_range;
+  }
+}
+
+}  // namespace spantex::rows

@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: Apache-2.0
+// Kernels: a run of pixels of one row, positions step by step, texels where they lie, RGB565 out. The caller (run.hpp) has made sure that every texel
+// of the run lies in its level, or that masks wrap it. What a pixel is: sample.hpp. Instructions counted: docs/TARGETS.md.
+#pragma once
+#include <stdint.h>
+
+#include <spantex/bits.hpp>
+#include <spantex/rows/block.hpp>
+#include <spantex/rows/packed.hpp>
+#include <spantex/rows/sample.hpp>
+
+namespace spantex::rows {
+
+// Where a kernel reads: the texel at whole position (0, 0), and the bytes from one row of texels to the next.
+struct source {
+  const texel565* origin;
+  int32_t pitch_bytes;
+};
+
+}  // namespace spantex::rows
+
+#if SPANTEX_ROWS_DSP
+#include <spantex/rows/kernels_dsp.hpp>
+#if SPANTEX_ROWS_MVE
+#include <spantex/rows/kernels_mve.hpp>
+#endif
+#elif SPANTEX_ROWS_THUMB1
+#include <spantex/rows/kernels_thumb1.hpp>
+#endif
+
+namespace spantex::rows {
+
+inline constexpr int longest_run = 32;
+
+// Memory that a kernel works in, between its two loops where it takes two.
+struct scratch {
+#if SPANTEX_ROWS_DSP
+  uint32_t words[dsp::scratch_words];
+#endif
+};
+
+namespace detail {
+
+constexpr uint32_t to_bytes(const source& s) { return uint32_t(s.pitch_bytes) << 16 | 2u; }
+
+#if SPANTEX_ROWS_DSP
+
+inline uint32_t address(const source& s) { return uint32_t(reinterpret_cast<uintptr_t>(s.origin)); }
+
+#else
+
+// Texel at the whole parts (v : u).
+inline const texel565* texel_at(const source& s, uint32_t vu) { return s.origin + int32_t(int16_t(vu)) + (int32_t(vu) >> 16) * (s.pitch_bytes >> 1); }
+inline const texel565* below(const texel565* p, const source& s) {
+  return reinterpret_cast<const texel565*>(reinterpret_cast<const uint8_t*>(p) + s.pitch_bytes);
+}
+
+inline constexpr int bilinear_bits = 2 * weight_bits, trilinear_bits = bilinear_bits + blend_bits;
+
+// Along u three channels in one product, exact; then along v two and one.
+struct halfway { uint32_t rb, g; };  // red in the upper half, blue in the lower; 5 fraction bits
+inline halfway along_u(const texel565* p, uint32_t fu) {
+  const uint32_t x = spread(p[0]) * ((1u << weight_bits) - fu) + spread(p[1]) * fu;
+  return {(x & 0x3FFu) | (x & 0x3FFu << 11) << 5, x >> 21};
+}
+SPANTEX_WRAPS inline halfway along_v(const halfway& top, const halfway& bottom, uint32_t fv) {
+  return {(top.rb << weight_bits) + (bottom.rb - top.rb) * fv, (top.g << weight_bits) + (bottom.g - top.g) * fv};
+}
+inline halfway four_points(const texel565* p, const source& s, uint32_t fu, uint32_t fv) { return along_v(along_u(p, fu), along_u(below(p, s), fu), fv); }
+
+#endif
+
+}  // namespace detail
+
+inline void nearest_run(uint16_t* out, int count, const walk& from, const source& s) {
+#if SPANTEX_ROWS_DSP
+  if ((from.ddu | from.ddv) == 0) dsp::nearest_straight(out, count, from, detail::address(s), detail::to_bytes(s));
+  else dsp::nearest_bent(out, count, from, detail::address(s), detail::to_bytes(s));
+#else
+  walk at = from;
+#if SPANTEX_ROWS_THUMB1
+  if (const int most = count & ~7; most != 0) {
+    thumb1::nearest(out, most, at, s.origin, s.pitch_bytes);
+    out += most;
+    count -= most;
+  }
+#endif
+  for (; count > 0; --count, at.step()) *out++ = *detail::texel_at(s, upper_halves(at.v, at.u));
+#endif
+}
+
+// Whole positions wrapped by masks (height - 1 : width - 1), both powers of two.
+inline void nearest_masked_run(uint16_t* out, int count, const walk& from, const source& s, uint32_t masks) {
+#if SPANTEX_ROWS_DSP
+  if ((from.ddu | from.ddv) == 0) dsp::nearest_masked_straight(out, count, from, detail::address(s), detail::to_bytes(s), masks);
+  else dsp::nearest_masked_bent(out, count, from, detail::address(s), detail::to_bytes(s), masks);
+#else
+  walk at = from;
+#if SPANTEX_ROWS_THUMB1
+  if (const int most = count & ~7; most != 0 && thumb1::masks_fit(masks)) {
+    thumb1::nearest_masked(out, most, at, s.origin, masks);
+    out += most;
+    count -= most;
+  }
+#endif
+  for (; count > 0; --count, at.step()) *out++ = *detail::texel_at(s, upper_halves(at.v, at.u) & masks);
+#endif
+}
+
+// Snapped positions (sample.hpp).
+[[gnu::noinline]] inline void bilinear_run_by_ones(uint16_t* out, int count, const walk& from, const source& s, scratch& between) {
+#if SPANTEX_ROWS_DSP
+  if ((from.ddu | from.ddv) == 0) dsp::weighted_places_straight(between.words, count, from, detail::address(s), detail::to_bytes(s));
+  else dsp::weighted_places(between.words, count, from, detail::address(s), detail::to_bytes(s));
+  dsp::four_points(out, between.words, count, uint32_t(s.pitch_bytes));
+#else
+  (void)between;
+  for (walk at = from; count > 0; --count, at.step()) {
+    const detail::halfway c = detail::four_points(detail::texel_at(s, upper_halves(at.v, at.u)), s, weight_of(at.u), weight_of(at.v));
+    const uint32_t rb = c.rb + 0x02000200u, g = c.g + 0x200u;
+    *out++ = uint16_t((rb >> 26) << 11 | (g >> 10) << 5 | (rb >> 10 & 31));
+  }
+#endif
+}
+
+#if SPANTEX_ROWS_MVE
+namespace detail {
+
+// Offsets of lanes are unsigned: from the corner of the run's box. False if they do not fit, or if the run is short.
+[[gnu::noinline]] inline bool vectors_take(uint16_t* out, int count, const walk& from, const source& s) {
+  const walk end = advanced(from, count - 1);
+  const int32_t more_u = int32_t(magnitude(from.ddu)) * count * count / 8, more_v = int32_t(magnitude(from.ddv)) * count * count / 8;
+  const int32_t u = ((from.u < end.u ? from.u : end.u) - more_u) >> 16, v0 = from.v < end.v ? from.v : end.v, v1 = from.v < end.v ? end.v : from.v;
+  const int32_t v = (v0 - more_v) >> 16, rows = ((v1 + more_v) >> 16) - v + 2, pitch = s.pitch_bytes / 2;
+  if (count < 5 || !mve::offsets_fit(rows, pitch)) return false;
+  walk at = from;
+  at.u -= u * (1 << 16);
+  at.v -= v * (1 << 16);
+  mve::bilinear(out, count, at, s.origin + (v * pitch + u), pitch);
+  return true;
+}
+
+}  // namespace detail
+#endif
+
+inline void bilinear_run(uint16_t* out, int count, const walk& from, const source& s, scratch& between) {
+#if SPANTEX_ROWS_MVE
+  if (detail::vectors_take(out, count, from, s)) return;
+#endif
+  bilinear_run_by_ones(out, count, from, s, between);
+}
+
+[[gnu::noinline]] inline void three_point_run(uint16_t* out, int count, const walk& from, const source& s, scratch& between) {
+#if SPANTEX_ROWS_DSP
+  if ((from.ddu | from.ddv) == 0) dsp::places_straight(between.words, count, from, detail::address(s), detail::to_bytes(s));
+  else dsp::places(between.words, count, from, detail::address(s), detail::to_bytes(s));
+  dsp::three_points(out, between.words, count, uint32_t(s.pitch_bytes));
+#else
+  (void)between;
+  constexpr uint32_t one = 1u << weight_bits, half = (1u | 1u << 11 | 1u << 21) << (weight_bits - 1);
+  for (walk at = from; count > 0; --count, at.step()) {
+    const texel565* const p = detail::texel_at(s, upper_halves(at.v, at.u));
+    const texel565* const q = detail::below(p, s);
+    const uint32_t fu = weight_of(at.u), fv = weight_of(at.v);
+    const texel565* side = p + 1;
+    uint32_t low = fv, high = fu;
+    if (fv >= fu) { side = q; low = fu; high = fv; }
+    const uint32_t sum = spread(q[1]) * low + spread(*side) * (high - low) + spread(p[0]) * (one - high) + half;
+    *out++ = uint16_t(gathered(sum >> weight_bits & spread_mask));
+  }
+#endif
+}
+
+// Positions on the finer level; those on the coarser follow: (fine + snap) / 2, floor. The whole part of the level is the same all along.
+[[gnu::noinline]] inline void trilinear_run(uint16_t* out, int count, walk at, const source& fine, const source& coarse, level_run level, scratch& between) {
+#if SPANTEX_ROWS_DSP
+  constexpr int most = dsp::scratch_words / 6;
+  const bool straight = (at.ddu | at.ddv | level.step) == 0;
+  const dsp::two_levels levels{detail::address(fine), detail::to_bytes(fine), detail::address(coarse), detail::to_bytes(coarse), at.ddu, at.ddv, level.step};
+  for (; count > 0; count -= most, out += most) {
+    const int n = min_of(count, most);
+    if (straight) dsp::places_of_two_straight(between.words, n, at, level.start, levels);
+    else dsp::places_of_two(between.words, n, at, level.start, levels);
+    dsp::eight_points(out, between.words, n, uint32_t(fine.pitch_bytes));
+  }
+#else
+  (void)between;
+  for (; count > 0; --count, at.step(), level.start += level.step) {
+    const uint32_t f = uint32_t(level.start) >> (16 - blend_bits) & ((1u << blend_bits) - 1), e = (1u << blend_bits) - f;
+    const int32_t u = (at.u + snap) >> 1, v = (at.v + snap) >> 1;
+    const detail::halfway a = detail::four_points(detail::texel_at(fine, upper_halves(at.v, at.u)), fine, weight_of(at.u), weight_of(at.v));
+    const detail::halfway b = detail::four_points(detail::texel_at(coarse, upper_halves(v, u)), coarse, weight_of(u), weight_of(v));
+    const uint32_t half = 1u << detail::trilinear_bits >> 1;
+    const uint32_t red = (a.rb >> 16) * e + (b.rb >> 16) * f + half, blue = (a.rb & 0xFFFF) * e + (b.rb & 0xFFFF) * f + half;
+    const uint32_t green = a.g * e + b.g * f + half;
+    *out++ = uint16_t((red >> detail::trilinear_bits) << 11 | (green >> detail::trilinear_bits) << 5 | blue >> detail::trilinear_bits);
+  }
+#endif
+}
+
+}  // namespace spantex::rows

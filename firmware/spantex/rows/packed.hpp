@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// Pairs of 16-bit numbers in one word, and RGB565 colours as numbers that can be weighted.
+#pragma once
+#include <stdint.h>
+
+#include <spantex/bits.hpp>
+
+// At -O0 a frame pointer takes a register that the loops need.
+#if defined(__ARM_FEATURE_DSP) && __ARM_FEATURE_DSP && defined(__ARMEL__) && defined(__thumb2__) && defined(__OPTIMIZE__)
+#define SPANTEX_ROWS_DSP 1
+#else
+#define SPANTEX_ROWS_DSP 0
+#endif
+
+#if SPANTEX_ROWS_DSP && defined(__ARM_FEATURE_MVE) && __ARM_FEATURE_MVE
+#define SPANTEX_ROWS_MVE 1
+#else
+#define SPANTEX_ROWS_MVE 0
+#endif
+
+// Where code is to be small the plain loops are.
+#if defined(__thumb__) && !defined(__thumb2__) && defined(__ARMEL__) && defined(__OPTIMIZE__) && !defined(__OPTIMIZE_SIZE__)
+#define SPANTEX_ROWS_THUMB1 1
+#else
+#define SPANTEX_ROWS_THUMB1 0
+#endif
+
+namespace spantex::rows {
+
+// Texels may lie in memory that was written as words.
+using texel565 = uint16_t __attribute__((__may_alias__));
+
+// v's upper half over u's: the whole parts of two positions.
+constexpr uint32_t upper_halves(int32_t v, int32_t u) { return (uint32_t(v) & 0xFFFF0000u) | uint32_t(u) >> 16; }
+
+// Channels far enough apart for weights of 5 bits: green 21..31, red 11..20, blue 0..10.
+inline constexpr uint32_t spread_mask = 0x07E0F81F;
+constexpr uint32_t spread(uint32_t texel) { return (texel | texel << 16) & spread_mask; }
+constexpr uint32_t gathered(uint32_t colour) { return (colour | colour >> 16) & 0xFFFF; }
+
+}  // namespace spantex::rows

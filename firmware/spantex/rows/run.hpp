@@ -1,0 +1,259 @@
+// SPDX-License-Identifier: Apache-2.0
+// Runs: a row of a block, cut where its texels leave the level (a map repeats, or ends) or its level of detail passes a whole number, and given to the
+// kernels. A pixel whose texels lie on both sides of a border is read texel by texel.
+#pragma once
+#include <stdint.h>
+
+#include <spantex/rows/block.hpp>
+#include <spantex/rows/kernels.hpp>
+#include <spantex/rows/sample.hpp>
+#include <spantex/span.hpp>
+#include <spantex/texture.hpp>
+
+namespace spantex::rows {
+
+// One level of an RGB565 map as kernels see it.
+struct level_view {
+  const texel565* texels;
+  int32_t width, height;
+  wrap wrap_u, wrap_v;
+};
+
+constexpr level_view level_of(const texture_view& t, int level) {
+  return {t.numbers(level), t.width(level), t.height(level), t.wrap_u(), t.wrap_v()};
+}
+
+// Positions along a run on one level: whole texels, and a walk relative to them.
+struct level_walk {
+  int32_t base_u, base_v;
+  walk at;
+};
+
+namespace detail {
+
+constexpr int32_t base_on(int level, int32_t base) { return (base >> (level + 1)) * 2; }
+
+// Positions of a block's rows are to be relative to the level's even base, plus `offset` texels of the level 2^-16. On the block's own level
+// (its unit) rows then come as they are; another level scales them.
+constexpr void set_offsets(block& b, int level, int32_t offset) {
+  const int32_t mask = (2 << level) - 1, up = 16 - b.unit_log2, own = scale_down(offset, b.unit_log2 - level);
+  b.u.offset = ((b.u.base & mask) * (1 << up)) + own;
+  b.v.offset = ((b.v.base & mask) * (1 << up)) + own;
+}
+constexpr walk scaled(const walk& w, int down) {
+  return {scale_down(w.u, down, rounding::floor), scale_down(w.v, down, rounding::floor), scale_down(w.du, down), scale_down(w.dv, down),
+          scale_down(w.ddu, down), scale_down(w.ddv, down)};
+}
+
+// The same run on the coarser level: a bound is enough, its positions follow from the finer one's.
+constexpr int32_t coarser(int32_t fine) { return (fine + snap) >> 1; }
+
+struct interval { int32_t low, high; };
+
+// Positions along `count` pixels. A parabola that turns within the run passes its ends by at most bend n^2 / 8.
+constexpr interval reach_along(int32_t start, int32_t step, int32_t bend, int count) {
+  const int n = count - 1;
+  const int32_t end = start + n * step + n * (n - 1) / 2 * bend, last_step = step + n * bend;
+  const int32_t more = (step ^ last_step) < 0 ? int32_t(magnitude(bend)) * n * n / 8 + 1 : 0;
+  return {(start < end ? start : end) - more, (start < end ? end : start) + more};
+}
+
+// Where texel 0 of the copy of the map that holds a position lies in positions relative to the base. False where the map is not repeated as it is.
+constexpr bool origin_of(int32_t position, int32_t base, int32_t size, wrap mode, int32_t& origin) {
+  const int32_t texel = position >> 16, index = base + texel;
+  origin = -base;
+  if (uint32_t(index) < uint32_t(size)) return true;
+  if (mode != wrap::repeat) return false;
+  origin = texel - wrapped(mode, index, size);
+  return true;
+}
+
+// Positions whose texels all lie in that copy: [first, end).
+struct borders { int32_t first, end; };
+constexpr borders borders_of(int32_t origin, int32_t size, int neighbour) { return {origin * (1 << 16), (origin + size - neighbour) * (1 << 16)}; }
+constexpr bool lies_in(interval x, borders b) { return x.low >= b.first && x.high < b.end; }
+
+// Those of the coarser level as positions of the finer one, whose (fine + snap) / 2 they bound.
+constexpr borders of_finer(borders coarse) { return {2 * coarse.first - snap, 2 * coarse.end - snap}; }
+constexpr borders within_both(borders a, borders b) { return {a.first > b.first ? a.first : b.first, a.end < b.end ? a.end : b.end}; }
+
+// Pixels until a position that changes by `step` has left its borders: 0 if it is not within them now, at most `count`.
+constexpr int until_border(int32_t position, int32_t step, borders b, int count) {
+  if (position >= b.end || position < b.first) return 0;
+  if (step == 0) return count;
+  const int32_t n = step > 0 ? (b.end - 1 - position) / step : (position - b.first) / -step;
+  return n < count ? n + 1 : count;
+}
+constexpr int until_border(const walk& w, borders u, borders v, int count) {
+  int n = until_border(w.v, w.dv, v, until_border(w.u, w.du, u, count));
+  if ((w.ddu | w.ddv) != 0)
+    while (n > 1 && !(lies_in(reach_along(w.u, w.du, w.ddu, n), u) && lies_in(reach_along(w.v, w.dv, w.ddv, n), v))) n -= 1 + n / 8;
+  return n;
+}
+
+// The copy of a level that holds a pair of positions.
+struct copy { borders u, v; source s; };
+inline bool copy_of(const level_view& t, int32_t u, int32_t v, int32_t base_u, int32_t base_v, int neighbour, copy& out) {
+  int32_t x = 0, y = 0;
+  if (!origin_of(u, base_u, t.width, t.wrap_u, x) || !origin_of(v, base_v, t.height, t.wrap_v, y)) return false;
+  out = {borders_of(x, t.width, neighbour), borders_of(y, t.height, neighbour), {t.texels - (y * t.width + x), 2 * t.width}};
+  return true;
+}
+
+// A pointer for the kernel if all positions lie in one copy of the level.
+inline bool source_of(const level_view& t, interval u, interval v, int32_t base_u, int32_t base_v, int neighbour, source& out) {
+  copy c{};
+  if (!copy_of(t, u.low, v.low, base_u, base_v, neighbour, c) || !lies_in(u, c.u) || !lies_in(v, c.v)) return false;
+  out = c.s;
+  return true;
+}
+
+inline uint32_t wrapped_texel(const level_view& t, int32_t x, int32_t y) {
+  return t.texels[wrapped(t.wrap_v, y, t.height) * t.width + wrapped(t.wrap_u, x, t.width)];
+}
+inline texels wrapped_texels(const level_view& t, int32_t x, int32_t y) {
+  const int32_t x0 = wrapped(t.wrap_u, x, t.width), x1 = wrapped(t.wrap_u, x + 1, t.width);
+  const texel565 *const top = t.texels + wrapped(t.wrap_v, y, t.height) * t.width, *const bottom = t.texels + wrapped(t.wrap_v, y + 1, t.height) * t.width;
+  return {top[x0], top[x1], bottom[x0], bottom[x1]};
+}
+
+}  // namespace detail
+
+// Filters of one level.
+template <filter Kind>
+inline uint16_t pixel_of(const level_view& t, const level_walk& w) {
+  const int32_t x = w.base_u + texel_of(w.at.u), y = w.base_v + texel_of(w.at.v);
+  if constexpr (Kind == filter::nearest) return uint16_t(detail::wrapped_texel(t, x, y));
+  const texels four = detail::wrapped_texels(t, x, y);
+  const uint32_t fu = weight_of(w.at.u), fv = weight_of(w.at.v);
+  if constexpr (Kind == filter::three_point) return rounded(three_point(four, fu, fv), weight_bits);
+  return rounded(four_point(four, fu, fv), 2 * weight_bits);
+}
+
+// The kernel of a filter of one level.
+template <filter Kind>
+inline void run(uint16_t* out, int count, const walk& at, const source& s, scratch& between) {
+  if constexpr (Kind == filter::nearest) nearest_run(out, count, at, s);
+  else if constexpr (Kind == filter::three_point) three_point_run(out, count, at, s, between);
+  else bilinear_run(out, count, at, s, between);
+}
+
+template <filter Kind>
+[[gnu::noinline]] inline void draw_level(uint16_t* out, int count, const level_view& t, level_walk w, scratch& between) {
+  while (count > 0) {
+    detail::copy c{};
+    int n = 0;
+    if (detail::copy_of(t, w.at.u, w.at.v, w.base_u, w.base_v, Kind == filter::nearest ? 0 : 1, c)) n = detail::until_border(w.at, c.u, c.v, count);
+    if (n > 0) run<Kind>(out, n, w.at, c.s, between);
+    else *out = pixel_of<Kind>(t, w);
+    n = max_of(n, 1);
+    out += n;
+    count -= n;
+    if (count > 0) w.at = advanced(w.at, n);
+  }
+}
+
+// A map that repeats in powers of two: whole positions wrap by masks.
+constexpr bool wraps_by_mask(const level_view& t) {
+  return t.wrap_u == wrap::repeat && t.wrap_v == wrap::repeat && (t.width & (t.width - 1)) == 0 && (t.height & (t.height - 1)) == 0;
+}
+
+inline uint16_t pixel_between(const level_view& fine, const level_view& coarse, const level_walk& w, int32_t level) {
+  const int32_t u = detail::coarser(w.at.u), v = detail::coarser(w.at.v);
+  const uint32_t f = uint32_t(level) >> (16 - blend_bits) & ((1u << blend_bits) - 1);
+  const sums a = four_point(detail::wrapped_texels(fine, w.base_u + texel_of(w.at.u), w.base_v + texel_of(w.at.v)), weight_of(w.at.u), weight_of(w.at.v));
+  const sums b = four_point(detail::wrapped_texels(coarse, (w.base_u >> 1) + texel_of(u), (w.base_v >> 1) + texel_of(v)), weight_of(u), weight_of(v));
+  return rounded(between_levels(a, b, f), 2 * weight_bits + blend_bits);
+}
+
+[[gnu::noinline]] inline void draw_between(uint16_t* out, int count, const level_view& fine, const level_view& coarse, level_walk w, level_run level,
+                                           scratch& between) {
+  while (count > 0) {
+    detail::copy near{}, far{};
+    int n = 0;
+    if (detail::copy_of(fine, w.at.u, w.at.v, w.base_u, w.base_v, 1, near) &&
+        detail::copy_of(coarse, detail::coarser(w.at.u), detail::coarser(w.at.v), w.base_u >> 1, w.base_v >> 1, 1, far))
+      n = detail::until_border(w.at, detail::within_both(near.u, detail::of_finer(far.u)), detail::within_both(near.v, detail::of_finer(far.v)), count);
+    if (n > 0) trilinear_run(out, n, w.at, near.s, far.s, level, between);
+    else *out = pixel_between(fine, coarse, w, level.start);
+    n = max_of(n, 1);
+    out += n;
+    count -= n;
+    if (count > 0) {
+      w.at = advanced(w.at, n);
+      level.start += n * level.step;
+    }
+  }
+}
+
+namespace detail {
+
+// What is added to a level of detail so that its whole part is the level: to nearest at the fraction's bits, or the nearest level.
+constexpr int32_t level_rounding(filter kind) { return kind == filter::mip_bilinear ? (1 << 15) - 1 : 1 << (15 - blend_bits); }
+
+// Whole levels of a block's pixels, -1 where the map is magnified: linear, so extremes are at corners.
+constexpr interval levels_of(const block& b, int32_t rounding, int last_level) {
+  const int last = (1 << b.k) - 1;
+  const level_run top = level_row_at(b, 0), bottom = level_row_at(b, last);
+  const int32_t corners[] = {top.start, top.start + last * top.step, bottom.start, bottom.start + last * bottom.step};
+  interval x{corners[0], corners[0]};
+  for (int32_t c : corners) x = {c < x.low ? c : x.low, c > x.high ? c : x.high};
+  const auto whole = [&](int32_t level) { return clamp_to((level + rounding) >> 16, -1, last_level); };
+  return {whole(x.low), whole(x.high)};
+}
+
+// Positions of all pixels of a block on a level: the hull of its corners, and an eighth of a unit for what rows leave out.
+struct box { interval u, v; };
+constexpr interval hull(int32_t a, int32_t b, int32_t c, int32_t d, int32_t margin) {
+  const int32_t low = a < b ? a : b, high = a < b ? b : a, low2 = c < d ? c : d, high2 = c < d ? d : c;
+  return {(low < low2 ? low : low2) - margin, (high > high2 ? high : high2) + margin};
+}
+inline box box_of_block(const block& b, int level) {
+  const int last = (1 << b.k) - 1, down = level - b.unit_log2;
+  walk top, bottom;
+  row_at(b, 0, top);
+  row_at(b, last, bottom);
+  if (down != 0) {
+    top = scaled(top, down);
+    bottom = scaled(bottom, down);
+  }
+  const walk right = advanced(top, last), far = advanced(bottom, last);
+  const int32_t margin = scale_down(1 << 13, down) + 64;
+  return {hull(top.u, right.u, bottom.u, far.u, margin), hull(top.v, right.v, bottom.v, far.v, margin)};
+}
+
+[[gnu::noinline]] inline bool source_of_block(const block& b, const level_view& t, int level, int neighbour, source& out) {
+  const box x = box_of_block(b, level);
+  return source_of(t, x.u, x.v, base_on(level, b.u.base), base_on(level, b.v.base), neighbour, out);
+}
+// Likewise for the level after `level`.
+inline bool source_of_coarser(const block& b, const level_view& t, int level, source& out) {
+  const box x = box_of_block(b, level);
+  return source_of(t, {coarser(x.u.low), coarser(x.u.high)}, {coarser(x.v.low), coarser(x.v.high)}, b.u.base >> (level + 1), b.v.base >> (level + 1), 1, out);
+}
+
+}  // namespace detail
+
+// `count` pixels of row j of a block, from its pixel `first`, levels of detail pixel by pixel.
+template <filter Kind>
+[[gnu::noinline]] inline void draw_run(uint16_t* out, int first, int count, const texture_view& t, block& b, int j, scratch& between) {
+  level_run level = level_row_at(b, j);
+  level.start += detail::level_rounding(Kind);
+  const auto whole_level = [&](int i) { return clamp_to((level.start + i * level.step) >> 16, -1, t.last_level()); };
+  for (const int end = first + count; first < end;) {
+    int n = end - first;
+    const int at = whole_level(first), fine = max_of(at, 0);
+    while (whole_level(first + n - 1) != at) n = (n + 1) / 2;
+    detail::set_offsets(b, fine, snap);
+    level_walk w{detail::base_on(fine, b.u.base), detail::base_on(fine, b.v.base), {}};
+    row_at(b, j, w.at);
+    if (fine != b.unit_log2) w.at = detail::scaled(w.at, fine - b.unit_log2);
+    if (first > 0) w.at = advanced(w.at, first);
+    if (Kind == filter::mip_bilinear || at < 0 || at == t.last_level()) draw_level<filter::bilinear>(out, n, level_of(t, fine), w, between);
+    else draw_between(out, n, level_of(t, fine), level_of(t, fine + 1), w, {level.start + first * level.step, level.step}, between);
+    first += n;
+    out += n;
+  }
+}
+
+}  // namespace spantex::rows

@@ -1,0 +1,245 @@
+// SPDX-License-Identifier: Apache-2.0
+// Drawing by rows: kernels and borders against the specification a pixel at a time; positions against exact arithmetic; filters against what a
+// convex combination must keep.
+#include <tests/support.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+#include <firmware/apps/rows_scenes.hpp>
+#include <spantex/rows/small_plane.hpp>
+#include <tests/rows_reference.hpp>
+
+using namespace spantex;
+using namespace spantex::sim;
+
+static rows::state state;
+static int32_t between(random_source& random, int32_t low, int32_t high) { return int32_t(random.between(low, high)); }
+static constexpr int32_t width = 200, height = 150;
+static uint16_t frame[width * height];
+
+// A map with levels of its own size, exactly as much memory as its texels take.
+struct small_map {
+  std::vector<std::vector<uint16_t>> levels;
+  texture_view view;
+};
+static small_map& make_small_map(int32_t w, int32_t h, int count, wrap mode, random_source& random) {
+  static std::deque<small_map> maps;
+  maps.clear();
+  small_map& m = maps.emplace_back();
+  const uint16_t* pointers[max_levels] = {};
+  for (int level = 0; level < count; ++level) {
+    m.levels.emplace_back(size_t(level_side(w, level) * level_side(h, level)));
+    for (uint16_t& t : m.levels.back()) t = uint16_t(random.next());
+    pointers[level] = m.levels.back().data();
+  }
+  SPANTEX_ASSERT_OK(texture_view::make(texel_format::rgb565, pointers, count, w, h, mode, mode, m.view));
+  return m;
+}
+
+// W between an eighth and one over the picture, coordinates of any direction and scale; some with straight rows, some facing the viewer.
+static homography random_homography(random_source& random, int kind) {
+  const int64_t one = 1 << 24;
+  const auto within = [&](int64_t x) { return random.between(-x, x); };
+  const int64_t scale = one >> random.between(0, 5);
+  const int64_t g = kind % 3 == 0 ? 0 : within(one * 3 / 8 / width), h = kind % 5 == 0 ? 0 : within(one * 3 / 8 / height);
+  const int64_t i = one / 8 + (g < 0 ? -g * width : 0) + (h < 0 ? -h * height : 0) + within(one / 16);
+  return {2 * within(scale), 2 * within(scale), within(one) * 32, 2 * within(scale), 2 * within(scale), within(one) * 32, g, h, i};
+}
+
+static void check_picture(const homography& m, const texture_view& t, filter kind, rectangle area) {
+  static plane p;
+  if (make_plane(m, {0, 0, width, height}, p) != status::ok) return;
+  for (uint16_t& pixel : frame) pixel = 0xABCD;
+  SPANTEX_ASSERT_OK(rows::draw_any(kind, state, rows::frame565{frame, width, height, width}, p, t, area));
+  for (int32_t y = 0; y < height; ++y)
+    for (int32_t x = 0; x < width; ++x) {
+      uint16_t expected = 0xABCD;
+      if (x >= area.x0 && x < area.x1 && y >= area.y0 && y < area.y1) (void)rows::reference_pixel(p, t, kind, x, y, expected);
+      if (frame[y * width + x] != expected)
+        fail_msg("%s at %d, %d: %04x instead of %04x", app::name_of_filter(kind), int(x), int(y), unsigned(frame[y * width + x]), unsigned(expected));
+    }
+}
+
+static void check_maps(wrap mode, uint64_t seed) {
+  random_source random(seed);
+  static constexpr int32_t sizes[][3] = {{64, 64, 7}, {32, 128, 6}, {48, 80, 5}, {20, 12, 3}, {7, 5, 1}, {1, 1, 1}, {256, 2, 2}};
+  for (int n = 0; n < (short_run() ? 7 : 28); ++n) {
+    const auto& size = sizes[n % 7];
+    const texture_view& t = make_small_map(size[0], size[1], size[2], mode, random).view;
+    const homography m = random_homography(random, n);
+    const rectangle area{between(random, 0, 40), between(random, 0, 40), between(random, 100, width), between(random, 100, height)};
+    for (filter kind : app::row_filters) check_picture(m, t, kind, n % 2 == 0 ? rectangle{0, 0, width, height} : area);
+  }
+}
+SPANTEX_CASE(kernels_draw_what_the_specification_says_repeat) { check_maps(wrap::repeat, 1); }
+SPANTEX_CASE(kernels_draw_what_the_specification_says_clamp) { check_maps(wrap::clamp, 2); }
+SPANTEX_CASE(kernels_draw_what_the_specification_says_mirror) { check_maps(wrap::mirror, 3); }
+
+SPANTEX_CASE(planes_to_the_horizon_are_drawn_in_front_of_it_only) {
+  random_source random(4);
+  for (int n = 0; n < 8; ++n) {
+    const texture_view& t = make_small_map(64, 64, 7, wrap::repeat, random).view;
+    homography m = random_homography(random, 1);
+    m.i = -multiply(m.g, random.between(0, width)) - multiply(m.h, random.between(0, height));
+    for (filter kind : app::row_filters) check_picture(m, t, kind, {0, 0, width, height});
+  }
+}
+
+SPANTEX_CASE(polygons_cover_the_pixels_of_their_masks) {
+  random_source random(5);
+  const texture_view& t = make_small_map(64, 64, 7, wrap::repeat, random).view;
+  const projection camera{150 << 16, 150 << 16, (width / 2) << 16, (height / 2) << 16, 1 << 13};
+  static polygon p;
+  int drawn = 0;
+  for (int n = 0; n < 60; ++n) {
+    vertex corners[3];
+    for (vertex& v : corners) {
+      v = {between(random, -3 << 16, 3 << 16), between(random, -3 << 16, 3 << 16), between(random, 1 << 15, 6 << 16), between(random, 0, 64 << 16),
+           between(random, 0, 64 << 16)};
+    }
+    if (make_polygon(corners, 3, camera, {0, 0, width, height}, p) != status::ok) continue;
+    ++drawn;
+    for (uint16_t& pixel : frame) pixel = 0xABCD;
+    SPANTEX_ASSERT_OK(rows::draw<filter::bilinear>(state, rows::frame565{frame, width, height, width}, p, t));
+    for (int32_t y = 0; y < height; ++y)
+      for (int32_t x = 0; x < width; ++x) {
+        const bool covered = (coverage(p.edges, x / 8, y / 8) & rectangle_mask(p.box, x / 8, y / 8)) >> (y % 8 * 8 + x % 8) & 1;
+        uint16_t expected = 0xABCD;
+        if (covered) (void)rows::reference_pixel(p.map, t, filter::bilinear, x, y, expected);
+        assert_int_equal(frame[y * width + x], expected);
+      }
+  }
+  assert_true(drawn > 20);
+}
+
+// --- positions -----------------------------------------------------------------------------------------
+
+struct exactness { int64_t pixels = 0, right = 0; double worst = 0; };
+
+// Against the homography itself, in 128-bit integers.
+static exactness measure(const homography& m, int32_t w, int32_t h) {
+  exactness e;
+  static plane p;
+  if (make_plane(m, {0, 0, w, h}, p) != status::ok) return e;
+  for (int32_t y = 0; y < h; ++y)
+    for (int32_t x = 0; x < w; ++x) {
+      const auto at = [&](wide a, wide b, wide c) { return to_int128(a) * (2 * x + 1) + to_int128(b) * (2 * y + 1) + 2 * to_int128(c); };
+      const int128 d = at(m.g, m.h, m.i), nu = at(m.a, m.b, m.c), nv = at(m.d, m.e, m.f);
+      if (d <= 0) continue;
+      rows::reference_position found;
+      if (!rows::find_block(p, x, y, -1, found)) continue;
+      const rows::exact_position q = rows::position_on_level_0(found);
+      const auto floor_of = [](int128 n, int128 by) { return int64_t(n / by - (n % by < 0 ? 1 : 0)); };
+      const int64_t u = floor_of(nu * 65536, d), v = floor_of(nv * 65536, d);
+      if (u > 30000 * 65536ll || u < -30000 * 65536ll || v > 30000 * 65536ll || v < -30000 * 65536ll) continue;
+      ++e.pixels;
+      e.right += u >> 16 == q.u >> 16 && v >> 16 == q.v >> 16;
+      const double off = double(std::max(std::llabs(u - q.u), std::llabs(v - q.v))) / 65536;
+      e.worst = std::max(e.worst, off);
+    }
+  return e;
+}
+
+SPANTEX_CASE(at_least_99_percent_of_the_texels_are_those_of_exact_arithmetic) {
+  for (const app::scene& s : app::scenes)
+    for (int down : {1, 2, 4}) {
+      const exactness e = measure(app::scaled_to(s.map, down), 320 / down, 240 / down);
+      print_message("%-8s 320/%d: %.3f %% right, worst 1/%.0f texel\n", s.name, down, 100.0 * double(e.right) / double(e.pixels), 1 / e.worst);
+      assert_true(e.right * 100 >= e.pixels * 99);
+    }
+}
+
+// The bound of docs/ACCURACY.md "Rows".
+SPANTEX_CASE(positions_keep_their_bound) {
+  random_source random(6);
+  exactness all;
+  for (int n = 0; n < (short_run() ? 20 : 100); ++n) {
+    const exactness e = measure(random_homography(random, n), width, height);
+    all.pixels += e.pixels;
+    all.right += e.right;
+    all.worst = std::max(all.worst, e.worst);
+  }
+  print_message("%lld positions, %.3f %% of the texels right, worst 1/%.1f texel\n", (long long)all.pixels, 100.0 * double(all.right) / double(all.pixels), 1 / all.worst);
+  assert_true(all.worst <= 1.0 / 19);
+  assert_true(all.right * 100 >= all.pixels * 99);
+}
+
+// --- filters -------------------------------------------------------------------------------------------
+
+static int channel(uint16_t c, int k) { return k == 0 ? c >> 11 : k == 1 ? c >> 5 & 63 : c & 31; }
+
+SPANTEX_CASE(colours_lie_between_their_texels_and_constants_stay) {
+  random_source random(7);
+  for (int n = 0; n < 400000; ++n) {
+    const rows::texels t{uint16_t(random.next()), uint16_t(random.next()), uint16_t(random.next()), uint16_t(random.next())};
+    const uint32_t fu = uint32_t(random.between(0, 31)), fv = uint32_t(random.between(0, 31)), f = uint32_t(random.between(0, 15));
+    const rows::sums four = rows::four_point(t, fu, fv), other = rows::four_point({t.t11, t.t00, t.t10, t.t01}, fv, fu);
+    const uint16_t results[] = {rows::rounded(four, 10), rows::rounded(rows::three_point(t, fu, fv), 5), rows::rounded(rows::between_levels(four, other, f), 14)};
+    for (int k = 0; k < 3; ++k) {
+      const int c[] = {channel(uint16_t(t.t00), k), channel(uint16_t(t.t10), k), channel(uint16_t(t.t01), k), channel(uint16_t(t.t11), k)};
+      const auto [low, high] = std::minmax({c[0], c[1], c[2], c[3]});
+      for (uint16_t r : results) assert_in_range(channel(r, k), low, high);
+      const double exact = (c[0] * (32. - fu) + c[1] * double(fu)) * (32. - fv) + (c[2] * (32. - fu) + c[3] * double(fu)) * double(fv);
+      assert_true(std::abs(channel(results[0], k) - exact / 1024) <= 0.5);
+    }
+    const rows::texels flat{t.t00, t.t00, t.t00, t.t00};
+    assert_int_equal(rows::rounded(rows::four_point(flat, fu, fv), 10), t.t00);
+    assert_int_equal(rows::rounded(rows::three_point(flat, fu, fv), 5), t.t00);
+  }
+}
+
+SPANTEX_CASE(maps_and_filters_that_rows_do_not_have_are_refused) {
+  random_source random(8);
+  static plane p;
+  SPANTEX_ASSERT_OK(make_plane(app::scenes[0].map, {0, 0, width, height}, p));
+  const rows::frame565 target{frame, width, height, width};
+  const rectangle screen{0, 0, width, height};
+  const texture_view odd = make_small_map(20, 12, 4, wrap::repeat, random).view;
+  SPANTEX_ASSERT_STATUS(rows::draw_any(filter::trilinear, state, target, p, odd, screen), bad_levels);
+  SPANTEX_ASSERT_OK(rows::draw_any(filter::bilinear, state, target, p, odd, screen));
+  SPANTEX_ASSERT_STATUS(rows::draw_any(filter::aniso, state, target, p, odd, screen), out_of_range);
+  static const rgba8 texel[1] = {};
+  const rgba8* const levels[] = {texel};
+  texture_view wrong;
+  SPANTEX_ASSERT_OK(texture_view::make(levels, 1, 1, 1, wrap::repeat, wrap::repeat, wrong));
+  SPANTEX_ASSERT_STATUS(rows::draw_any(filter::nearest, state, target, p, wrong, screen), out_of_range);
+}
+
+SPANTEX_CASE(set_up_in_64_bits_gives_the_plane_of_128) {
+  random_source random(9);
+  int made = 0;
+  for (int n = 0; n < 20000; ++n) {
+    const int64_t slope = int64_t(1) << random.between(4, 39), constant = int64_t(1) << random.between(4, 51);
+    const auto x = [&](int64_t most) { return random.between(-most, most); };
+    const rows::homography64 m{x(slope), x(slope), x(constant), x(slope), x(slope), x(constant), x(slope), x(slope), x(constant)};
+    static plane wide, small;
+    const rectangle region{0, 0, between(random, 1, 4096), between(random, 1, 4096)};
+    const status a = make_plane({m.a, m.b, m.c, m.d, m.e, m.f, m.g, m.h, m.i}, region, wide), b = rows::make_small_plane<true>(m, region, small);
+    assert_int_equal(int(a), int(b));
+    if (a != status::ok) continue;
+    ++made;
+    const linear_form *const w[] = {&wide.u, &wide.v, &wide.w}, *const s[] = {&small.u, &small.v, &small.w};
+    for (int k = 0; k < 3; ++k) assert_true(w[k]->x == s[k]->x && w[k]->y == s[k]->y && w[k]->c == s[k]->c);
+    assert_true(wide.origin_x == small.origin_x && wide.origin_y == small.origin_y && wide.major_log2 == small.major_log2);
+  }
+  assert_true(made > 5000);
+  static plane p;
+  assert_int_equal(int(rows::make_small_plane<false>({int64_t(1) << 40, 0, 0, 0, 0, 0, 0, 0, 1}, {0, 0, 8, 8}, p)), int(status::out_of_range));
+}
+
+int main() {
+  const CMUnitTest tests[] = {
+      cmocka_unit_test(kernels_draw_what_the_specification_says_repeat),
+      cmocka_unit_test(kernels_draw_what_the_specification_says_clamp),
+      cmocka_unit_test(kernels_draw_what_the_specification_says_mirror),
+      cmocka_unit_test(planes_to_the_horizon_are_drawn_in_front_of_it_only),
+      cmocka_unit_test(polygons_cover_the_pixels_of_their_masks),
+      cmocka_unit_test(at_least_99_percent_of_the_texels_are_those_of_exact_arithmetic),
+      cmocka_unit_test(positions_keep_their_bound),
+      cmocka_unit_test(colours_lie_between_their_texels_and_constants_stay),
+      cmocka_unit_test(maps_and_filters_that_rows_do_not_have_are_refused),
+      cmocka_unit_test(set_up_in_64_bits_gives_the_plane_of_128),
+  };
+  return run_suite("rows", tests);
+}
