@@ -53,7 +53,7 @@ bench: setup-build setup-bench setup-demo setup-compare ## time against error, o
 	@tools/plot_bench $(B)/bench/bench.json --out $(B)/bench
 
 test: setup-build setup-test setup-demo ## run every test; T=suite.case runs one
-	@$(MAKE) --no-print-directory -j$(JOBS) $(B)/spantex unit-tests
+	@$(MAKE) --no-print-directory -j$(JOBS) $(B)/spantex peers unit-tests
 	@CXX="$(CXX)" python3 tests/run.py --build $(B) $(if $(T),--only '$(T)')
 
 unit-tests: $(UNIT_TESTS)
