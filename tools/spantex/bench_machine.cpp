@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench_machine.hpp"
 
+#include <stdlib.h>
 #include <sys/utsname.h>
 #include <time.h>
 
@@ -45,7 +46,9 @@ bench_machine this_machine() {
   gmtime_r(&now, &utc);
   char date[32];
   strftime(date, sizeof date, "%Y-%m-%d %H:%M UTC", &utc);
-  return {processor_name(), std::string(name.sysname) + " " + name.release + " " + name.machine, date, sim::hardware_threads(),
+  double load = 0;
+  getloadavg(&load, 1);
+  return {processor_name(), std::string(name.sysname) + " " + name.release + " " + name.machine, date, sim::hardware_threads(), load,
           compiler_name(), SPANTEX_FLAGS, SPANTEX_COMMIT};
 }
 

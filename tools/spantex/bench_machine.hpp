@@ -8,6 +8,7 @@ namespace spantex::tool {
 struct bench_machine {
   std::string processor, system, date;  // date: UTC
   int processors;                       // that this process may use
+  double load;                          // of the last minute: above `processors` somebody else measures too
   std::string compiler, flags, commit;  // of the command
 };
 

@@ -33,7 +33,7 @@ class contestant {
     const double ns = draw(slow_ ? 1 : draws_of_a_turn);
     samples_.push_back(ns);
   }
-  void warm_up() { slow_ = draw(1) > slow_ns; }
+  void warm_up() { slow_ = draw(1) > slow_ns && draw(1) > slow_ns; }  // once might be somebody else's fault
   spread ns_per(double pixels) const {
     std::vector<double> scaled = samples_;
     for (double& x : scaled) x /= pixels;
@@ -173,8 +173,9 @@ std::vector<bench_row> rows_of(const contest& all, const sim::scene& s, filter k
 
 spread spread_of(std::vector<double> values) {
   std::sort(values.begin(), values.end());
-  const auto at = [&](double part) { return values[size_t(part * double(values.size() - 1) + 0.5)]; };
-  return {at(0.5), at(0.25), at(0.75), int(values.size())};
+  const double last = double(values.size() - 1);
+  const auto at = [&](double k) { return values[size_t(k)]; };
+  return {at(ceil(0.5 * last)), at(floor(0.25 * last)), at(ceil(0.75 * last)), at(0), int(values.size())};
 }
 
 std::vector<bench_row> measure_scene(const sim::scene& s, const bench_choice& choice, const peer_list& peers, const std::function<void()>& step) {

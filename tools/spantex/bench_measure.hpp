@@ -13,7 +13,7 @@
 
 namespace spantex::tool {
 
-struct spread { double median, low, high; int samples; };  // low and high: quartiles
+struct spread { double median, low, high, least; int samples; };  // low and high: quartiles
 spread spread_of(std::vector<double> values);
 
 // Against the reference, r, g, b, 0..255.

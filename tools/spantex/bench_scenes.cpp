@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <utility>
 
@@ -29,9 +30,16 @@ std::shared_ptr<const sim::map_list> one_map(sim::image picture) {
   return std::make_shared<const sim::map_list>(std::move(maps));
 }
 
+// Made once a side.
+std::shared_ptr<const sim::map_list> built_in_map(int side) {
+  static std::map<int, std::shared_ptr<const sim::map_list>> made;
+  std::shared_ptr<const sim::map_list>& map = made[side];
+  if (map == nullptr) map = one_map(sim::photographic_pattern(side, 1));
+  return map;
+}
+
 sim::scene plane_scene(const std::string& name, sim::screen_size size, const bench_maps& maps) {
-  sim::image picture = maps.texture.empty() ? sim::photographic_pattern(plane_map_side, 1) : sim::load_image(maps.texture);
-  sim::scene s{name, size, one_map(std::move(picture)), {}};
+  sim::scene s{name, size, maps.texture.empty() ? built_in_map(plane_map_side) : one_map(sim::load_image(maps.texture)), {}};
   const sim::matrix m = name == "close" ? close_plane : name == "far" ? far_plane : *sim::named_plane(name);
   sim::add_plane(s, sim::stretched(m, size), 0);
   return s;
@@ -68,7 +76,7 @@ void add_wall_part(sim::scene& s, const sim::lens& view, double depth, const par
 }
 
 sim::scene empty_wall_scene(const char* name, sim::screen_size size) {
-  return {name, size, one_map(sim::photographic_pattern(wall_map_side, 1)), {}};
+  return {name, size, built_in_map(wall_map_side), {}};
 }
 
 }  // namespace
@@ -102,7 +110,7 @@ sim::scene layers(int count, bool nearest_first, sim::screen_size size) {
 }
 
 sim::scene plane_with_map(int side, sim::screen_size size) {
-  sim::scene s{"map", size, one_map(sim::photographic_pattern(side, 1)), {}};
+  sim::scene s{"map", size, built_in_map(side), {}};
   sim::matrix m = sim::stretched(*sim::named_plane("tilted"), size);
   for (size_t k = 0; k < 6; ++k) m[k] *= double(side) / plane_map_side;
   sim::add_plane(s, m, 0);
