@@ -417,7 +417,7 @@ def test_trace(folder):
 
 def test_bench(folder):
     """Rows of who can draw what; errors that agree with --psnr; peers, where built, with the right picture."""
-    size, filters = "96x72", ["nearest", "bilinear", "trilinear"]
+    size, filters = "64x48", ["nearest", "bilinear", "trilinear"]
     text = done("bench", "--scenes", "tilted,spider", "--filters", ",".join(filters), "--profiles", "seed,default", "--size", size, "--repeat", "3",
                 "--json", "b.json", cwd=folder)
     bench = json.loads((folder / "b.json").read_text())
