@@ -27,7 +27,14 @@ HOST_OBJECTS := $(HOST_SOURCES:%.cpp=$(B)/%.o)
 TOOL_OBJECTS := $(TOOL_SOURCES:%.cpp=$(B)/%.o)
 UNIT_TESTS   := $(UNIT_SOURCES:tests/unit/%.cpp=$(B)/tests/%)
 
-.PHONY: all demo demo-m4 compare test targets sizes stress stress-bench test-gpio fuzz sanitize check-gates unit-tests clean help setup-build setup-test setup-demo setup-compare setup-devices
+# Peers of `spantex bench`: a shared object each, where its library is installed. Debian's smaller OpenCV packages bring no .pc file.
+peer_flags    = $(subst -I,-isystem ,$(shell pkg-config --cflags --libs $(1) 2>/dev/null))
+PEER_pixman  := $(call peer_flags,pixman-1)
+PEER_mesa    := $(call peer_flags,osmesa)
+PEER_opencv  := $(or $(call peer_flags,opencv4),$(if $(wildcard /usr/include/opencv4/opencv2/imgproc.hpp),-isystem /usr/include/opencv4 -lopencv_imgproc -lopencv_core))
+PEERS        := $(foreach p,pixman opencv mesa,$(if $(strip $(PEER_$(p))),$(B)/peers/$(p).so))
+
+.PHONY: all demo demo-m4 compare bench test targets sizes stress stress-bench test-gpio fuzz sanitize check-gates unit-tests clean help setup-build setup-test setup-demo setup-compare setup-devices
 
 all: setup-build ## build the command: build/spantex
 	@$(MAKE) --no-print-directory -j$(JOBS) $(B)/spantex
@@ -38,8 +45,15 @@ demo: setup-build setup-demo all ## render the demo pictures into build/demo and
 compare: setup-build setup-compare all ## the tables, pictures and plot of docs/METHODS-COMPARED.md into build/compare
 	@tools/compare_methods --build $(B) --out $(B)/compare
 
+BENCH ?= --repeat 9
+bench: setup-build setup-bench setup-demo setup-compare ## time against error, ours and installed peers, and how cost grows: build/bench/{table.txt,bench.json,pareto.png,growth.png}
+	@$(MAKE) --no-print-directory -j$(JOBS) $(B)/spantex peers
+	@mkdir -p $(B)/bench
+	@$(B)/spantex bench --growth $(BENCH) --json $(B)/bench/bench.json > $(B)/bench/table.txt; code=$$?; cat $(B)/bench/table.txt; exit $$code
+	@tools/plot_bench $(B)/bench/bench.json --out $(B)/bench
+
 test: setup-build setup-test setup-demo ## run every test; T=suite.case runs one
-	@$(MAKE) --no-print-directory -j$(JOBS) $(if $(T),$(or $(TESTS_OF_T),$(B)/spantex),$(B)/spantex unit-tests)
+	@$(MAKE) --no-print-directory -j$(JOBS) $(if $(T),$(or $(TESTS_OF_T),$(B)/spantex peers),$(B)/spantex peers unit-tests)
 	@CXX="$(CXX)" python3 tests/run.py --build $(B) $(if $(T),--only '$(T)')
 
 TESTS_OF_T = $(filter $(B)/tests/$(subst *,%,$(firstword $(subst ., ,$(T)))),$(UNIT_TESTS))
@@ -110,10 +124,19 @@ setup-test: ; @tools/setup test cross emulate devices bench
 setup-demo: ; @tools/setup demo
 setup-devices: ; @tools/setup devices
 setup-compare: ; @tools/setup compare
+setup-bench: ; @tools/setup bench
+
+.PHONY: peers force setup-bench
+peers: $(PEERS)
+
+$(B)/peers/%.so: tools/peers/%.cpp tools/peers/peer.hpp Makefile
+	@mkdir -p $(@D)
+	@echo "  peer    $@"
+	@$(CXX) $(STD) -O2 $(WARN) -fPIC -shared $< -o $@ $(PEER_$*)
 
 $(B)/spantex: $(TOOL_OBJECTS) $(HOST_OBJECTS)
 	@echo "  link    $@"
-	@$(CXX) $(FLAGS) $^ -o $@ -lassimp $(GPIOD_LIBS)
+	@$(CXX) $(FLAGS) $^ -o $@ -lassimp -ldl $(GPIOD_LIBS)
 
 $(B)/picture_hashes: $(B)/tests/identity/picture_hashes.o
 	@mkdir -p $(@D)
@@ -134,6 +157,13 @@ $(B)/tests/%: $(B)/tests/unit/%.o $(HOST_OBJECTS)
 	@$(CXX) $(FLAGS) $^ -o $@ -lcmocka -lassimp $(GPIOD_LIBS) $(LIBRARIES) -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc
 
 $(B)/tests/bc: LIBRARIES := -lsquish
+# What `spantex bench` says it is; written anew only when it changes.
+COMMIT := $(shell git describe --always --dirty 2>/dev/null || echo unknown)
+$(B)/build.txt: force
+	@mkdir -p $(@D)
+	@echo '$(COMMIT) $(STD) $(OPT) $(CXXFLAGS)' | cmp -s - $@ || echo '$(COMMIT) $(STD) $(OPT) $(CXXFLAGS)' > $@
+$(B)/tools/spantex/bench_machine.o: $(B)/build.txt
+$(B)/tools/spantex/bench_machine.o: FLAGS += -DSPANTEX_COMMIT='"$(COMMIT)"' -DSPANTEX_FLAGS='"$(strip $(STD) $(OPT) $(CXXFLAGS))"'
 $(B)/hal/gpiod_lines.o: FLAGS += -DSPANTEX_GPIOD_VERSION=$(GPIOD_VERSION)
 GPIOD_MOCKS := chip_open_lookup chip_close chip_get_line chip_find_line line_is_used line_consumer line_request_bulk line_release_bulk \
                line_set_direction_input_bulk line_set_direction_output_bulk line_set_value_bulk line_get_value_bulk line_event_wait_bulk line_event_read

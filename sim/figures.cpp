@@ -29,15 +29,6 @@ std::shared_ptr<const map_list> maps_of(const scene_request& r, std::initializer
   return std::make_shared<const map_list>(std::move(maps));
 }
 
-// The same view at another size: x and y scaled.
-matrix stretched(matrix m, screen_size size) {
-  for (size_t row = 0; row < 9; row += 3) {
-    m[row] *= 640.0 / size.width_px;
-    m[row + 1] *= 480.0 / size.height_px;
-  }
-  return m;
-}
-
 scene plane_scene(const plane_by_name& p, const scene_request& r) {
   scene s{p.name, r.size, plane_maps(r), {}};
   add_plane(s, stretched(p.coefficients, r.size), 0);
@@ -148,6 +139,14 @@ std::optional<matrix> named_plane(const std::string& name) {
   for (const plane_by_name& p : planes)
     if (name == p.name) return p.coefficients;
   return std::nullopt;
+}
+
+matrix stretched(matrix m, screen_size size) {
+  for (size_t row = 0; row < 9; row += 3) {
+    m[row] *= 640.0 / size.width_px;
+    m[row + 1] *= 480.0 / size.height_px;
+  }
+  return m;
 }
 
 std::shared_ptr<const map_list> plane_maps(const scene_request& r) {

@@ -38,6 +38,9 @@ const std::vector<std::string>& scene_names();
 bool is_scene_name(const std::string& name);
 std::optional<matrix> named_plane(const std::string& name);  // facing, tilted, grazing at 640x480
 
+// The same view of a plane at another size than 640x480: x and y scaled.
+matrix stretched(matrix m, screen_size size);
+
 // The map of a plane, as the request says.
 std::shared_ptr<const map_list> plane_maps(const scene_request& request);
 

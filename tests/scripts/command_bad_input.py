@@ -316,6 +316,21 @@ CASES = [
     (["compare", "--scenes", "tilted", "--diff", "d.png"], ["--diff"]),
     (["compare", "--filters", "aniso", "good.png", "good.png"], ["--scenes"]),
     (["compare", "good.png", "good.png", "--diff", "no/d.png"], ["no/d.png", "cannot write"]),
+    # bench
+    (["bench", "--scenes", "tilted,nowhere"], ["--scenes", "nowhere", "grazing"]),
+    (["bench", "--scenes", "tilted,tilted"], ["--scenes", "twice"]),
+    (["bench", "--filters", "best"], ["best", "trilinear"]),
+    (["bench", "--filters", "contour"], ["--filters", "contour"]),
+    (["bench", "--profiles", "great"], ["great", "seed"]),
+    (["bench", "--kernels", "mmx"], ["mmx", "scalar"]),
+    (["bench", "--kernels", "fastest"], ["--kernels", "fastest"]),
+    (["bench", "--peers", "nobody"], ["--peers", "nobody"]),
+    (["bench", "--repeat", "0"], ["--repeat"]),
+    (["bench", "--size", "0x480", "--peers", "none"], ["--size"]),
+    (["bench", "--scenes", "tilted", "--texture", "missing.png", "--peers", "none"], ["missing.png"]),
+    (["bench", "--scenes", "spider", "--models", "nowhere", "--peers", "none"], ["nowhere", "assimp-testmodels"]),
+    (["bench", "--json", "no/t.json"], ["no/t.json", "cannot write"]),
+    (["bench", "--draws-only"], ["--counts"]),
 ]
 
 

@@ -38,7 +38,7 @@ def plane(folder, out, texture="map.png", size="64x48", matrix=FACING, **more):
 
 
 def test_help(folder):
-    for sub in ([], ["plane"], ["render"], ["texture"], ["prefilters"], ["compare"], ["trace"], ["demo"]):
+    for sub in ([], ["plane"], ["render"], ["texture"], ["prefilters"], ["compare"], ["trace"], ["bench"], ["demo"]):
         text = done(*sub, "--help", cwd=folder)
         assert "--help" in text, sub
     for option in "--texture --size --matrix --out --filter --profile --wrap --engine --prefilter --threads --repeat --stats".split():
@@ -431,6 +431,35 @@ def test_trace(folder):
     done("render", "tilted", "--size", "64x48", "--texture", "map.png", "--out", "r.png", cwd=folder)
     assert (folder / "t.png").read_bytes() == (folder / "r.png").read_bytes()
     done("trace", "--matrix", TILTED, "--texture", "map.png", "--size", "64x48", "--vcd", "m.vcd", "--single-half", cwd=folder)
+
+
+def test_bench(folder):
+    """Rows of who can draw what; errors that agree with --psnr; peers, where built, with the right picture."""
+    size, filters = "64x48", ["nearest", "bilinear", "trilinear"]
+    text = done("bench", "--scenes", "tilted,spider", "--filters", ",".join(filters), "--profiles", "seed,default", "--size", size, "--repeat", "3",
+                "--json", "b.json", cwd=folder)
+    bench = json.loads((folder / "b.json").read_text())
+    ours = [r for r in bench["rows"] if r["drawer"] == "spantex"]
+    for scene in ("tilted", "spider"):
+        for kind in filters:
+            of = [r for r in ours if (r["scene"], r["filter"]) == (scene, kind)]
+            assert {r["profile"] for r in of if r["kernel"] == "scalar"} == {"seed", "default"}, of
+            assert len({(r["rms_error"], r["words_per_pixel"]) for r in of if r["profile"] == "default"}) == 1, of  # kernels: the same picture
+    for r in bench["rows"]:
+        time = r["ns_per_pixel"]
+        assert 0 < time["low"] <= time["median"] <= time["high"] and time["samples"] == 3, r
+        assert abs(255 * 10 ** (-r["psnr_db"] / 20) - r["rms_error"]) < 1e-9 * r["rms_error"] and r["worst_error"] >= r["rms_error"], r
+        assert r["scene"] + " " in text and r["drawer"] in text
+    psnr = done("render", "tilted", "--size", size, "--filter", "trilinear", "--out", "t.png", "--psnr", cwd=folder)
+    row = next(r for r in ours if (r["scene"], r["filter"], r["profile"]) == ("tilted", "trilinear", "default"))
+    assert f"{row['psnr_db']:.2f} dB" in psnr, (row, psnr)
+    peers = [r for r in bench["rows"] if r["drawer"] != "spantex"]
+    assert all(r["scene"] == "tilted" and r["right_picture"] for r in peers), peers
+    built = {p.stem for p in (BINARY.parent / "peers").glob("*.so")}
+    assert len(bench["peers"]) == len({r["drawer"] for r in peers}) == len(built), (bench["peers"], built)
+    # The same filter of the same plane: nearly our picture (null: ours exactly), but for pixman, whose coordinates are coarse.
+    others = [r for r in peers if r["drawer"] != "pixman" and r["psnr_ours_db"] is not None]
+    assert all(r["psnr_ours_db"] > 30 for r in others), others
 
 
 def test_progress_only_on_a_terminal(folder):

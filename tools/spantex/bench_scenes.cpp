@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bench_scenes.hpp"
+
+#include <math.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <utility>
+
+#include <sim/figures.hpp>
+#include <sim/model.hpp>
+#include <sim/pattern.hpp>
+#include <sim/world.hpp>
+#include "options.hpp"
+
+namespace spantex::tool {
+namespace {
+
+constexpr int plane_map_side = 512;
+
+// For 640x480. The divisor is positive over the whole picture: peers clip nothing.
+constexpr sim::matrix close_plane{0.142, -0.071, 61.3, 0.083, 0.127, 17.9, 0.00021, 0.00033, 0.871};
+constexpr sim::matrix far_plane{1.913, 0.307, 101.7, -0.211, 1.297, 702.3, 0.00115, 0.0001, 0.253};
+
+std::shared_ptr<const sim::map_list> one_map(sim::image picture) {
+  sim::map_list maps;
+  maps.emplace_back(std::move(picture), sim::prefilter::box, wrap::repeat, wrap::repeat);
+  return std::make_shared<const sim::map_list>(std::move(maps));
+}
+
+// Made once a side.
+std::shared_ptr<const sim::map_list> built_in_map(int side) {
+  static std::map<int, std::shared_ptr<const sim::map_list>> made;
+  std::shared_ptr<const sim::map_list>& map = made[side];
+  if (map == nullptr) map = one_map(sim::photographic_pattern(side, 1));
+  return map;
+}
+
+sim::scene plane_scene(const std::string& name, sim::screen_size size, const bench_maps& maps) {
+  sim::scene s{name, size, maps.texture.empty() ? built_in_map(plane_map_side) : one_map(sim::load_image(maps.texture)), {}};
+  const sim::matrix m = name == "close" ? close_plane : name == "far" ? far_plane : *sim::named_plane(name);
+  sim::add_plane(s, sim::stretched(m, size), 0);
+  return s;
+}
+
+sim::scene spider_scene(sim::screen_size size, const bench_maps& maps) {
+  const std::string file = maps.models + "/OBJ/spider.obj";
+  std::error_code ignored;
+  if (!std::filesystem::exists(file, ignored)) throw sim::input_error(file + ": missing; it is part of the Debian package assimp-testmodels");
+  sim::camera_options camera;
+  camera.yaw_degrees = 35;
+  camera.pitch_degrees = 30;
+  sim::scene s = sim::look_at(sim::load_model(file, {}), camera, size);
+  s.name = "spider";
+  return s;
+}
+
+// A rectangle of a wall `depth` in front of the camera, leaning back by a quarter; in fractions of the wall from the top left.
+struct part { double left, top, right, bottom; };
+
+constexpr double wall_view_radians = 0.7, wall_near = 1, wall_lean = 0.25;
+constexpr int wall_map_side = 256;
+
+void add_wall_part(sim::scene& s, const sim::lens& view, double depth, const part& p) {
+  // Half sides of a wall that reaches beyond the picture where it leans away.
+  const double half_height = depth * tan(wall_view_radians / 2) * (1 + wall_lean), half_width = half_height * s.size.width_px / s.size.height_px;
+  const auto corner = [&](double x, double y) {
+    const double down = (2 * y - 1) * half_height;
+    return vertex{sim::to_fixed((2 * x - 1) * half_width), sim::to_fixed(down), sim::to_fixed(depth - wall_lean * down),
+                  sim::to_fixed(x * 2 * wall_map_side), sim::to_fixed(y * 2 * wall_map_side)};
+  };
+  const vertex corners[] = {corner(p.left, p.top), corner(p.right, p.top), corner(p.right, p.bottom), corner(p.left, p.bottom)};
+  sim::add_polygon(s, view, corners, 4, 0);
+}
+
+sim::scene empty_wall_scene(const char* name, sim::screen_size size) {
+  return {name, size, built_in_map(wall_map_side), {}};
+}
+
+}  // namespace
+
+const std::vector<std::string>& bench_scene_names() {
+  static const std::vector<std::string> names{"facing", "tilted", "grazing", "close", "far", "spider"};
+  return names;
+}
+
+sim::scene make_bench_scene(const std::string& name, sim::screen_size size, const bench_maps& maps) {
+  const std::vector<std::string>& known = bench_scene_names();
+  if (std::find(known.begin(), known.end(), name) == known.end())
+    throw sim::input_error("--scenes: unknown scene '" + name + "' (known: " + joined(known) + ")");
+  return name == "spider" ? spider_scene(size, maps) : plane_scene(name, size, maps);
+}
+
+sim::scene wall_of_squares(int side, sim::screen_size size) {
+  sim::scene s = empty_wall_scene("squares", size);
+  const sim::lens view = sim::make_lens(size, wall_view_radians, wall_near);
+  for (int y = 0; y < side; ++y)
+    for (int x = 0; x < side; ++x)
+      add_wall_part(s, view, 8, {double(x) / side, double(y) / side, double(x + 1) / side, double(y + 1) / side});
+  return s;
+}
+
+sim::scene layers(int count, bool nearest_first, sim::screen_size size) {
+  sim::scene s = empty_wall_scene("layers", size);
+  const sim::lens view = sim::make_lens(size, wall_view_radians, wall_near);
+  for (int k = 0; k < count; ++k) add_wall_part(s, view, 4 + (nearest_first ? k : count - 1 - k), {0, 0, 1, 1});
+  return s;
+}
+
+sim::scene plane_with_map(int side, sim::screen_size size) {
+  sim::scene s{"map", size, built_in_map(side), {}};
+  sim::matrix m = sim::stretched(*sim::named_plane("tilted"), size);
+  for (size_t k = 0; k < 6; ++k) m[k] *= double(side) / plane_map_side;
+  sim::add_plane(s, m, 0);
+  return s;
+}
+
+}  // namespace spantex::tool
