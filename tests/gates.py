@@ -31,9 +31,8 @@ GPIOD = [*BENCH, "hal/gpiod_lines.cpp", "-DSPANTEX_GPIOD_VERSION=1", "-lgpiod", 
 
 # name, file, what stands there, what it is broken into, suite, case, further sources the suite links
 GATES = [
-    ("one Newton step less", F + "reciprocal.hpp", "return newton_step(m, y);", "return y;", "reciprocal", "wide_reciprocal*", []),
-    ("one bit less in the reciprocal", F + "reciprocal.hpp", "y = newton_step(m, y);\n  return newton_step(m, y);",
-     "y = newton_step(m, y);\n  return newton_step(m, y) & ~1u;", "reciprocal", "wide_reciprocal*", []),
+    ("one Newton step less", F + "reciprocal.hpp", "for (int k = 0; k < unit.reciprocal_iterations; ++k)", "for (int k = 1; k < unit.reciprocal_iterations; ++k)", "reciprocal", "wide_reciprocal*", []),
+    ("one bit less in the reciprocal", F + "reciprocal.hpp", "y = newton_step(m, y);\n  return y;", "y = newton_step(m, y);\n  return y & ~1u;", "reciprocal", "wide_reciprocal*", []),
     ("one bit less in 1/w", F + "coordinates.hpp", "return uint32_t(shift_right(y, 32 - bits - below_one));",
      "return uint32_t(shift_right(y, 32 - bits - below_one)) & ~1u;", "reciprocal", "one_over*", []),
     ("truncated quotients", F + "reciprocal.hpp", "(product + (uint64_t(1) << (shift - 1))) >> shift", "product >> shift", "reciprocal", "quotients*", []),
@@ -129,7 +128,7 @@ GATES = [
     ("v wrapped by the width", F + "texture.hpp", "wrapped(wrap_v_, k, height(level))", "wrapped(wrap_v_, k, width(level))", "texture", "each_axis*", []),
     # level of detail
     ("shorter column of the Jacobian", F + "level.hpp", "c.level_row[j] > c.level_column[i] ?", "c.level_row[j] < c.level_column[i] ?", "level", "default_profile*", []),
-    ("gradients without their twist", F + "level.hpp", "detail::log2_length(ux + twist_u * half, vx + twist_v * half, c.exponent)",
+    ("gradients without their twist", F + "level.hpp", "detail::log2_length(ux + twist_u * hy, vx + twist_v * hy, c.exponent)",
      "detail::log2_length(ux, vx, c.exponent)", "level", "exact_profile*", []),
     ("level of a pixel about itself off", F + "level.hpp", "(1 << 16) - 2 * log2_16(uint64_t(p.w_at(hx, hy)))", "(2 << 16) - 2 * log2_16(uint64_t(p.w_at(hx, hy)))", "level", "spans_across*", []),
     ("major axis by one interval", F + "plane.hpp", "return max_of(g.x, g.y) + (2 << 16);", "return max_of(g.x, g.y) + (1 << 16);", "level", "the_major*", []),
