@@ -27,7 +27,7 @@ HOST_OBJECTS := $(HOST_SOURCES:%.cpp=$(B)/%.o)
 TOOL_OBJECTS := $(TOOL_SOURCES:%.cpp=$(B)/%.o)
 UNIT_TESTS   := $(UNIT_SOURCES:tests/unit/%.cpp=$(B)/tests/%)
 
-.PHONY: all demo compare test stress stress-bench test-gpio fuzz sanitize check-gates unit-tests clean help setup-build setup-test setup-demo setup-compare
+.PHONY: all demo compare sweep report test stress stress-bench test-gpio fuzz sanitize check-gates unit-tests clean help setup-build setup-test setup-demo setup-compare setup-report
 
 all: setup-build ## build the command: build/spantex
 	@$(MAKE) --no-print-directory -j$(JOBS) $(B)/spantex
@@ -37,6 +37,13 @@ demo: setup-build setup-demo all ## render the demo pictures into build/demo and
 
 compare: setup-build setup-compare all ## the tables, pictures and plot of docs/METHODS-COMPARED.md into build/compare
 	@tools/compare_methods --build $(B) --out $(B)/compare
+
+sweep: setup-build all ## the standard study of precision against quality (tools/sweeps/standard.json), minutes; an ended one goes on: build/sweeps/standard.csv
+	@mkdir -p $(B)/sweeps
+	@$(B)/spantex sweep tools/sweeps/standard.json --threads $(JOBS) --out $(B)/sweeps/standard.csv
+
+report: sweep setup-report ## plots and tables of the standard study: build/report/index.html
+	@tools/report --record $(B)/sweeps/standard.csv --build $(B) --out $(B)/report
 
 test: setup-build setup-test setup-demo ## run every test; T=suite.case runs one
 	@$(MAKE) --no-print-directory -j$(JOBS) $(B)/spantex unit-tests
@@ -93,6 +100,7 @@ setup-build: ; @tools/setup build
 setup-test: ; @tools/setup test cross emulate bench
 setup-demo: ; @tools/setup demo
 setup-compare: ; @tools/setup compare
+setup-report: ; @tools/setup report
 
 $(B)/spantex: $(TOOL_OBJECTS) $(HOST_OBJECTS)
 	@echo "  link    $@"

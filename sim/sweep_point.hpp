@@ -31,7 +31,8 @@ enum class bank_map : uint8_t {
 
 struct sweep_subject {
   std::string scene = "tilted";  // a name of figures.hpp, or view: a plane seen at a pitch and a distance
-  std::string map = "photo";     // of planes: photo, random, squares, chessboard, or a file
+  std::string map = "photo";     // of planes: photo, random, squares, chessboard, or a file ...
+  std::string map_folder{};      // ... in this folder
   int map_side = 512;            // texels, of maps that are made here
   screen_size size{160, 120};
   prefilter levels = prefilter::box;

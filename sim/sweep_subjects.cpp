@@ -4,9 +4,11 @@
 #include <math.h>
 
 #include <algorithm>
+#include <filesystem>
 
 #include "figures.hpp"
 #include "pattern.hpp"
+#include "quality.hpp"
 
 namespace spantex::sim {
 namespace {
@@ -20,7 +22,7 @@ image map_picture(const sweep_subject& s) {
   if (s.map == "random") return random_pattern(s.map_side, 7);
   if (s.map == "squares") return squares_pattern(s.map_side, squares_per_side);
   if (s.map == "chessboard") return chessboard_pattern(s.map_side, squares_per_side);
-  return load_image(s.map);
+  return load_image((std::filesystem::path(s.map_folder) / s.map).string());
 }
 
 std::string numbers(std::initializer_list<int> list) {
