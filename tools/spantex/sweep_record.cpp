@@ -117,7 +117,9 @@ void sweep_record::read_rows(const sweep_spec& spec) {
     last_ = row.number;
     any_ = true;
   });
-  if (ftruncate(file_, off_t(whole)) != 0) fail(path_, std::string("cannot be cut: ") + strerror(errno));
+  struct stat about {};
+  const bool torn = fstat(file_, &about) != 0 || uint64_t(about.st_size) != whole;
+  if (torn && ftruncate(file_, off_t(whole)) != 0) fail(path_, std::string("cannot be cut: ") + strerror(errno));
   if (whole == 0) write_all(file_, path_, sweep_heading() + "\n");
 }
 

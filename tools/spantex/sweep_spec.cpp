@@ -202,6 +202,7 @@ class spec_builder {
     const spec_node* const how = n.find("sample");
     const std::string name = how == nullptr ? "grid" : text_of(*how, "'sample'");
     const spec_node* const points = n.find("points");
+    if (name != "grid" && name != "one-at-a-time" && name != "random") stop(*how, "unknown sample '" + name + "' (known: grid, one-at-a-time, random)");
     if (points != nullptr && name != "random") stop(*points, "'points' belongs to sample random");
     if (name == "grid") {
       part.sample = sweep_sample::grid;
@@ -215,12 +216,10 @@ class spec_builder {
         for (size_t v = 0; v < part.axes[a].values.size(); ++v)
           if (part.axes[a].axis->get(base) != part.axes[a].values[v]) part.steps.emplace_back(a, v);
       part.points_a_scene = 1 + part.steps.size();
-    } else if (name == "random") {
+    } else {
       part.sample = sweep_sample::random;
       if (points == nullptr) stop(n, "sample random needs 'points'");
       part.points_a_scene = count_of(*points, "'points'", most_points);
-    } else {
-      stop(*how, "unknown sample '" + name + "' (known: grid, one-at-a-time, random)");
     }
   }
 
