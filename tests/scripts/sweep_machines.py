@@ -62,26 +62,29 @@ def daemon(log, *command, **more):
 
 
 def workers(folder):
-    """Processes of our binary that write into the folder, which nobody else has."""
-    found = []
+    """Process by record, of our binary's that write into the folder, which nobody else has."""
+    found = {}
     for place in pathlib.Path("/proc").glob("[0-9]*"):
         with contextlib.suppress(OSError):
-            line = (place / "cmdline").read_bytes().split(b"\0")
-            if line[0] == str(BINARY.resolve()).encode() and any(part.startswith(str(folder).encode()) for part in line):
-                found.append(int(place.name))
+            line = (place / "cmdline").read_bytes().decode(errors="replace").split("\0")
+            if line[0] == str(BINARY.resolve()):
+                found |= {part: int(place.name) for part in line if part.startswith(str(folder))}
     return found
 
 
 def kill_some(folder, still_running):
-    """Kills workers, one at a time, while the sweep runs; returns how many."""
-    killed = 0
-    while killed < KILLS and still_running():
+    """Kills workers, one at a time and none twice (a job is tried three times), while the sweep runs; returns how many."""
+    killed = set()
+    while len(killed) < KILLS and still_running():
         time.sleep(0.4)
-        for pid in workers(folder)[:1]:
+        for record, pid in workers(folder).items():
+            if record in killed:
+                continue
             with contextlib.suppress(ProcessLookupError):
                 os.kill(pid, signal.SIGKILL)
-                killed += 1
-    return killed
+                killed.add(record)
+            break
+    return len(killed)
 
 
 def check_result(folder, expected, killed, what):
