@@ -172,7 +172,7 @@ def local_memory(rows, port):
             line = sorted(record.select(rows, scene=scene, overflow=policy, scope="pixel", filter="trilinear", port_words=port), key=lambda r: r["fine_side"])
             place.plot([r["cycles_per_pixel"] for r in line], [r["psnr_db"] for r in line], marker="osd"[k], label=policy)
             for r in line:
-                place.annotate(str(r["fine_side"]), (r["cycles_per_pixel"], r["psnr_db"]), textcoords="offset points", xytext=(4, 3), fontsize=7)
+                place.annotate(str(r["fine_side"]), (r["cycles_per_pixel"], r["psnr_db"]), textcoords="offset points", xytext=((-10, 2), (4, -9), (4, 3))[k], fontsize=7)
         place.set(title=scene, xlabel="cycles a pixel", ylabel="PSNR, dB")
     places[0].legend()
     return figure

@@ -52,7 +52,7 @@ class spec_builder {
   void check_members(const spec_node& n, std::initializer_list<const char*> known, const std::string& what) const {
     if (n.what != kind::object) stop(n, what + " must be an object");
     for (const auto& [name, value] : n.members)
-      if (std::none_of(known.begin(), known.end(), [&](const char* k) { return name == k; })) {
+      if (std::none_of(known.begin(), known.end(), [&known_name = name](const char* k) { return known_name == k; })) {
         std::string list;
         for (const char* k : known) list += (list.empty() ? "" : ", ") + std::string(k);
         stop(value, "unknown '" + name + "' in " + what + " (known: " + list + ")");
