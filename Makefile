@@ -27,7 +27,7 @@ HOST_OBJECTS := $(HOST_SOURCES:%.cpp=$(B)/%.o)
 TOOL_OBJECTS := $(TOOL_SOURCES:%.cpp=$(B)/%.o)
 UNIT_TESTS   := $(UNIT_SOURCES:tests/unit/%.cpp=$(B)/tests/%)
 
-.PHONY: all demo compare sweep report test stress stress-bench test-gpio fuzz sanitize check-gates unit-tests clean help setup-build setup-test setup-demo setup-compare setup-report
+.PHONY: all demo compare sweep report check-report setup-browser test stress stress-bench test-gpio fuzz sanitize check-gates unit-tests clean help setup-build setup-test setup-demo setup-compare setup-report
 
 all: setup-build ## build the command: build/spantex
 	@$(MAKE) --no-print-directory -j$(JOBS) $(B)/spantex
@@ -44,6 +44,9 @@ sweep: setup-build all ## the standard study of precision against quality (tools
 
 report: sweep setup-report ## plots and tables of the standard study: build/report/index.html
 	@tools/report --record $(B)/sweeps/standard.csv --build $(B) --out $(B)/report
+
+check-report: report setup-browser ## the report in headless Chromium, light and dark: build/report/light.png, dark.png
+	@tools/check_report --report $(B)/report/index.html --out $(B)/report
 
 test: setup-build setup-test setup-demo ## run every test; T=suite.case runs one
 	@$(MAKE) --no-print-directory -j$(JOBS) $(B)/spantex unit-tests
@@ -101,6 +104,7 @@ setup-test: ; @tools/setup test cross emulate bench
 setup-demo: ; @tools/setup demo
 setup-compare: ; @tools/setup compare
 setup-report: ; @tools/setup report
+setup-browser: ; @tools/setup browser
 
 $(B)/spantex: $(TOOL_OBJECTS) $(HOST_OBJECTS)
 	@echo "  link    $@"

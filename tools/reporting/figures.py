@@ -51,6 +51,8 @@ def word_errors(rows):
             line = record.base_of(rows, axis, scene)
             place.plot([r[axis] for r in line], [max(r[measure], 1e-6) if measure != "twin_worst_lsb" else max(r[measure], 0.5) for r in line], marker="o", label=scene)
         place.set(xlabel=AXIS_TITLES[axis], ylabel=titles[measure], yscale="log")
+        if measure == "twin_worst_lsb":
+            place.set_ylim(0.4, 100)
         place.axhline(limit, linewidth=0.8, linestyle="--", color=plt.rcParams["text.color"])
     places[0].legend()
     return figure
@@ -188,6 +190,22 @@ def motion(rows):
         place.set_xticks(range(len(filters)), filters)
         place.set(title=title, ylabel="swim, LSB a frame")
     places[0].legend()
+    return figure
+
+
+def bias_in_motion(rows):
+    """Stills and motion over the bias: PSNR and swim."""
+    figure, places = panels(2, 2, 6.0, 3.2)
+    for place, measure, title in zip(places, ("psnr_db", "swim_lsb"), ("PSNR, dB", "swim, LSB a frame")):
+        for scene in record.values(rows, "scene"):
+            for k, motion_name in enumerate(record.values(rows, "motion")):
+                for prefilter in record.values(rows, "prefilter"):
+                    line = sorted(record.select(rows, scene=scene, motion=motion_name, prefilter=prefilter), key=lambda r: r["level_bias"])
+                    if measure == "swim_lsb" or k == 0:
+                        label = f"{scene}, {prefilter}" + (f", {motion_name}" if measure == "swim_lsb" else "")
+                        place.plot([r["level_bias"] / 16 for r in line], [r[measure] for r in line], marker=".", label=label)
+        place.set(xlabel="LOD bias, levels", ylabel=title)
+        place.legend(fontsize=6)
     return figure
 
 

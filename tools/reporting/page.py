@@ -5,6 +5,7 @@ import html
 import io
 
 import matplotlib
+from PIL import Image
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
@@ -24,6 +25,16 @@ figure{margin:1rem 0}figure img{max-width:100%;height:auto}figcaption,.dim{color
 td,th{padding:.2rem .6rem;border-bottom:1px solid var(--line);text-align:right;white-space:nowrap}td:first-child,th:first-child{text-align:left}
 nav a{margin-right:1rem}a{color:inherit}
 """
+
+
+DPI, COLOURS = 100, 240
+
+
+def reduced(buffer):
+    """The PNG with a palette: a third of the bytes, and lines look the same."""
+    small = io.BytesIO()
+    Image.open(buffer).convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE).save(small, format="png", optimize=True)
+    return small.getvalue()
 
 
 def settings(palette):
@@ -52,9 +63,9 @@ class Page:
         for palette in PALETTES:
             with plt.rc_context(settings(palette)):
                 drawn, buffer = draw(), io.BytesIO()
-                drawn.savefig(buffer, format="png", dpi=110)
+                drawn.savefig(buffer, format="png", dpi=DPI)
                 plt.close(drawn)
-            pictures[palette] = "data:image/png;base64," + base64.b64encode(buffer.getvalue()).decode()
+            pictures[palette] = "data:image/png;base64," + base64.b64encode(reduced(buffer)).decode()
         self.body.append(f'<figure><picture><source media="(prefers-color-scheme: dark)" srcset="{pictures["dark"]}"><img src="{pictures["light"]}" '
                          f'alt="{html.escape(caption)}"></picture><figcaption>{html.escape(caption)}</figcaption></figure>')
 
