@@ -55,7 +55,6 @@ GATES = [
      "level", "the_minor_axis*", []),
     ("nearest level rounded up on ties", F + "level.hpp", "((level + half + (1 << level_bits) - 1) >> level_bits) - 1", "(level + half) >> level_bits", "level", "the_nearest*", []),
     ("spans of 16 pixels taken for 8", F + "coordinates.hpp", "return (1 << v.span_log2) - 1;", "return min_of(reach, (1 << v.span_log2) - 1);", "run_time_profile", "spans_of_*", []),
-    ("levels of other spans about the wrong point", F + "level.hpp", "hy = half_pixels(k) + c.from_y;", "hy = half_pixels(k);", "run_time_profile", "spans_of_any_size*", []),
     ("sections of an evaluation asked for not widened", F + "coordinates.hpp", "bound += forced_evaluation_bound(", "bound += 0 * forced_evaluation_bound(", "run_time_profile",
      "evaluations_asked*", []),
     ("a seed of a smaller table", F + "reciprocal.hpp", "reciprocal_seed(k, bits);\n}", "reciprocal_seed(k, bits) + 64;\n}", "run_time_profile", "reciprocals_of*", []),
