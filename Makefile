@@ -34,7 +34,7 @@ PEER_mesa    := $(call peer_flags,osmesa)
 PEER_opencv  := $(or $(call peer_flags,opencv4),$(if $(wildcard /usr/include/opencv4/opencv2/imgproc.hpp),-isystem /usr/include/opencv4 -lopencv_imgproc -lopencv_core))
 PEERS        := $(foreach p,pixman opencv mesa,$(if $(strip $(PEER_$(p))),$(B)/peers/$(p).so))
 
-.PHONY: all demo demo-m4 compare bench test targets sizes stress stress-bench test-gpio fuzz sanitize check-gates unit-tests clean help setup-build setup-test setup-demo setup-compare setup-devices
+.PHONY: all demo demo-m4 compare bench sweep report check-report test targets sizes stress stress-bench test-gpio fuzz sanitize check-gates unit-tests clean help setup-build setup-test setup-demo setup-compare setup-devices setup-report setup-browser
 
 all: setup-build ## build the command: build/spantex
 	@$(MAKE) --no-print-directory -j$(JOBS) $(B)/spantex
@@ -51,6 +51,16 @@ bench: setup-build setup-bench setup-demo setup-compare ## time against error, o
 	@mkdir -p $(B)/bench
 	@$(B)/spantex bench --growth $(BENCH) --json $(B)/bench/bench.json > $(B)/bench/table.txt; code=$$?; cat $(B)/bench/table.txt; exit $$code
 	@tools/plot_bench $(B)/bench/bench.json --out $(B)/bench
+
+sweep: setup-build all ## the standard study of precision against quality (tools/sweeps/standard.json), minutes; an ended one goes on: build/sweeps/standard.csv
+	@mkdir -p $(B)/sweeps
+	@$(B)/spantex sweep tools/sweeps/standard.json --threads $(JOBS) --out $(B)/sweeps/standard.csv
+
+report: sweep setup-report ## plots and tables of the standard study: build/report/index.html
+	@tools/report --record $(B)/sweeps/standard.csv --build $(B) --out $(B)/report
+
+check-report: report setup-browser ## the report in headless Chromium, light and dark: build/report/light.png, dark.png
+	@tools/check_report --report $(B)/report/index.html --out $(B)/report
 
 test: setup-build setup-test setup-demo ## run every test; T=suite.case runs one
 	@$(MAKE) --no-print-directory -j$(JOBS) $(if $(T),$(or $(TESTS_OF_T),$(B)/spantex peers),$(B)/spantex peers unit-tests)
@@ -125,6 +135,9 @@ setup-demo: ; @tools/setup demo
 setup-devices: ; @tools/setup devices
 setup-compare: ; @tools/setup compare
 setup-bench: ; @tools/setup bench
+
+setup-report: ; @tools/setup report
+setup-browser: ; @tools/setup browser
 
 .PHONY: peers force setup-bench
 peers: $(PEERS)

@@ -45,7 +45,7 @@ constexpr void archive(Archive& a, footprint_sums& s) {
 template <class Archive>
 constexpr void archive(Archive& a, span_coefficients& c) {
   auto& [base_u, base_v, c_u, a_u, b_u, c_v, a_v, b_v, g, h, row, column, axis, contour, fine, coarse, exponent, slope_log2, last_level, how, terms,
-         kind, two_levels, corrects, linear_light, centred] = c;
+         kind, two_levels, corrects, linear_light, centred, from_x, from_y] = c;
   a(base_u); a(base_v);
   a(c_u); a(a_u); a(b_u); a(c_v); a(a_v); a(b_v);
   a(g); a(h);
@@ -65,6 +65,7 @@ constexpr void archive(Archive& a, span_coefficients& c) {
   a(corrects);
   a(linear_light);
   a(centred);
+  static_cast<void>(from_x), static_cast<void>(from_y);  // no device has other than zero
 }
 
 // Each field as (name, value); values are small whole numbers.

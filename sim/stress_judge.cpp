@@ -200,7 +200,7 @@ void stress_judge::judge_arithmetic(const evaluated_pixel& e) {
   for (const bool v : {false, true}) {
     if (!e.counts[v] || !(v ? e.span.about().v_in_range : e.span.about().u_in_range)) continue;
     const int32_t n =
-        (v ? numerator_at<run_time_profile>(c.c_v, c.a_v, c.b_v, e.i, e.j) : numerator_at<run_time_profile>(c.c_u, c.a_u, c.b_u, e.i, e.j))
+        (v ? numerator_at<run_time_profile>(c, c.c_v, c.a_v, c.b_v, e.i, e.j) : numerator_at<run_time_profile>(c, c.c_u, c.a_u, c.b_u, e.i, e.j))
             .raw();
     const int128 exact = v ? e.span.offset_v(e.i, e.j) : e.span.offset_u(e.i, e.j);  // n = exact / w0
     note(stress_stage::numerator, double(ratio(size_of(n * w0 - (exact << c.exponent)), w0 << c.exponent)), limit, e.span.at, e.k);

@@ -35,9 +35,8 @@ COMPARE = [*BENCH, "sim/bench_compare.cpp", "sim/trace.cpp"]
 
 # name, file, what stands there, what it is broken into, suite, case, further sources the suite links
 GATES = [
-    ("one Newton step less", F + "reciprocal.hpp", "return newton_step(m, y);", "return y;", "reciprocal", "wide_reciprocal*", []),
-    ("one bit less in the reciprocal", F + "reciprocal.hpp", "y = newton_step(m, y);\n  return newton_step(m, y);",
-     "y = newton_step(m, y);\n  return newton_step(m, y) & ~1u;", "reciprocal", "wide_reciprocal*", []),
+    ("one Newton step less", F + "reciprocal.hpp", "for (int k = 0; k < unit.reciprocal_iterations; ++k)", "for (int k = 1; k < unit.reciprocal_iterations; ++k)", "reciprocal", "wide_reciprocal*", []),
+    ("one bit less in the reciprocal", F + "reciprocal.hpp", "y = newton_step(m, y);\n  return y;", "y = newton_step(m, y);\n  return y & ~1u;", "reciprocal", "wide_reciprocal*", []),
     ("one bit less in 1/w", F + "coordinates.hpp", "return uint32_t(shift_right(y, 32 - bits - below_one));",
      "return uint32_t(shift_right(y, 32 - bits - below_one)) & ~1u;", "reciprocal", "one_over*", []),
     ("truncated quotients", F + "reciprocal.hpp", "(product + (uint64_t(1) << (shift - 1))) >> shift", "product >> shift", "reciprocal", "quotients*", []),
@@ -67,6 +66,10 @@ GATES = [
     ("minor axis that falls as the major one", F + "level.hpp", "return f == level_formula::minor ? 1 : 2;", "return f == level_formula::minor ? 2 : 2;",
      "level", "the_minor_axis*", []),
     ("nearest level rounded up on ties", F + "level.hpp", "((level + half + (1 << level_bits) - 1) >> level_bits) - 1", "(level + half) >> level_bits", "level", "the_nearest*", []),
+    ("spans of 16 pixels taken for 8", F + "coordinates.hpp", "return (1 << v.span_log2) - 1;", "return min_of(reach, (1 << v.span_log2) - 1);", "run_time_profile", "spans_of_*", []),
+    ("sections of an evaluation asked for not widened", F + "coordinates.hpp", "bound += forced_evaluation_bound(", "bound += 0 * forced_evaluation_bound(", "run_time_profile",
+     "evaluations_asked*", []),
+    ("a seed of a smaller table", F + "reciprocal.hpp", "reciprocal_seed(k, bits);\n}", "reciprocal_seed(k, bits) + 64;\n}", "run_time_profile", "reciprocals_of*", []),
     ("section one texel short", F + "plan.hpp", "const int32_t neighbour = kind == filter::nearest ? 0 : 1;", "const int32_t neighbour = 0 * int(kind);", "plan", "spans_equal*power*", []),
     ("sections not widened for rounding", F + "coordinates.hpp", "return int32_t(2 * bound >> (error_unit_log2 - 16)) + 2;", "(void)bound; return -6;", "plan",
      "jobs_hold*", []),
@@ -150,7 +153,7 @@ GATES = [
     ("v wrapped by the width", F + "texture.hpp", "wrapped(wrap_v_, k, height(level))", "wrapped(wrap_v_, k, width(level))", "texture", "each_axis*", []),
     # level of detail
     ("shorter column of the Jacobian", F + "level.hpp", "c.level_row[j] > c.level_column[i] ?", "c.level_row[j] < c.level_column[i] ?", "level", "default_profile*", []),
-    ("gradients without their twist", F + "level.hpp", "detail::log2_length(ux + twist_u * half, vx + twist_v * half, c.exponent)",
+    ("gradients without their twist", F + "level.hpp", "detail::log2_length(ux + twist_u * hy, vx + twist_v * hy, c.exponent)",
      "detail::log2_length(ux, vx, c.exponent)", "level", "exact_profile*", []),
     ("level of a pixel about itself off", F + "level.hpp", "(1 << 16) - 2 * log2_16(uint64_t(p.w_at(hx, hy)))", "(2 << 16) - 2 * log2_16(uint64_t(p.w_at(hx, hy)))", "level", "spans_across*", []),
     ("major axis by one interval", F + "plane.hpp", "return max_of(g.x, g.y) + (2 << 16);", "return max_of(g.x, g.y) + (1 << 16);", "level", "the_major*", []),

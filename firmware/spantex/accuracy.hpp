@@ -49,14 +49,18 @@ constexpr uint64_t relative_w_bound(const profile& p) {
 }
 
 // The reciprocal unit, relative: table and iterations, then rounding to reciprocal_bits of a number that is at least 2/3.
-constexpr uint64_t reciprocal_unit_bound(const profile& p) {
-  const uint64_t unit = detail::bound_power(p.reciprocal_bits <= 15 ? -13 : -29);  // 4 units of a number that is at least 1/2
-  return unit + detail::bound_power(-p.reciprocal_bits);
+constexpr uint64_t reciprocal_unit_bound(const profile& p, const unit_variants& v = {}) {
+  const bool narrow = p.reciprocal_bits <= 15;
+  const uint64_t unit = detail::bound_power(narrow ? -13 : -29);  // 4 units of a number that is at least 1/2
+  // A seed errs by 2^-(bits + 1) and its 16 bits; each step squares that. What is left of it is within the 4 units at full length.
+  const int correct_bits = (v.reciprocal_table_log2 + 1) << min_of(v.reciprocal_iterations, narrow ? 1 : 2);
+  const uint64_t left = correct_bits >= (narrow ? 16 : 32) ? 0 : detail::bound_power(1 - correct_bits);
+  return unit + left + detail::bound_power(-p.reciprocal_bits);
 }
 
 // |position_at - n/w| for the ideal n/w of the same rounded coefficients: what widens the box of a section. What affine and series leave out,
 // and the 16 bits of a series, are at most 3/4 of the tolerance; the series' last floor is a unit of the mantissas.
-constexpr uint64_t evaluation_bound(const profile& p, int extent_log2, evaluation how) {
+constexpr uint64_t evaluation_bound(const profile& p, int extent_log2, evaluation how, const unit_variants& v = {}) {
   const uint64_t final_rounding = detail::bound_power(-p.coordinate_bits - 1);
   switch (how) {
     case evaluation::affine: return final_rounding + 3 * detail::bound_power(-p.tolerance_bits - 2);
@@ -64,7 +68,17 @@ constexpr uint64_t evaluation_bound(const profile& p, int extent_log2, evaluatio
       return final_rounding + 3 * detail::bound_power(-p.tolerance_bits - 2) + detail::bound_power(-mantissa_exponent(p, extent_log2));
     case evaluation::divide: break;
   }
-  return final_rounding + detail::bound_scaled(reciprocal_unit_bound(p), extent_log2 + 1);
+  return final_rounding + detail::bound_scaled(reciprocal_unit_bound(p, v), extent_log2 + 1);
+}
+
+// What an evaluation that was not chosen by the tolerance leaves out, and what the 16 bits of a series cut off (ACCURACY 6, without its conditions).
+constexpr uint64_t forced_evaluation_bound(int extent_log2, int slope_log2, int terms, evaluation how) {
+  switch (how) {
+    case evaluation::affine: return detail::bound_power(extent_log2 + slope_log2 + 1);
+    case evaluation::series: return detail::bound_power(extent_log2 + slope_log2 * (terms + 1) + 1) + detail::bound_power(extent_log2 + slope_log2 - 12);
+    case evaluation::divide: break;
+  }
+  return 0;
 }
 
 // Set-up: |rounded form - exact| in half units of the form, dx, dy half pixels from its origin: three coefficients, each to nearest.

@@ -23,7 +23,7 @@ inline constexpr int max_area_corners = 6;
 inline constexpr int max_area_side = 16;
 inline constexpr int area_bits = 11;  // of a coordinate in a window: twice areas have 23, below 2^30 with their fraction
 inline constexpr int hat_layers = 8;
-inline constexpr int area_reach = reach + 2;  // half pixels from a span's centre to the farthest corner
+constexpr int area_reach(const unit_variants& v) { return span_reach(v) + 2; }  // half pixels from a span's centre to the farthest corner
 
 // Half pixels from a pixel's centre to its footprint's corners along an axis.
 constexpr int area_margin(filter kind) { return kind == filter::hat ? 2 : 1; }
@@ -41,7 +41,7 @@ constexpr screen_offset area_corner(filter kind, int k) {
 // Coordinate part of a single pixel about its own centre, with slopes for its corners. Towards the horizon the footprint is clipped: it is
 // halved about its centre until w stays in (1/2, 3/2) and it reaches no more than 2^max_extent_log2 texels. Out of range it is the
 // square of +-2^10 texels for every half pixel: as good as the mean of the map.
-constexpr void pixel_area_coordinates(const reference& r, const profile& q, span_coefficients& c) {
+constexpr void pixel_area_coordinates(const reference& r, const profile& q, span_coefficients& c, const unit_variants& v = {}) {
   c.centred = true;
   for (int k = 0; k < 62; ++k) {
     const auto halved = [k](int64_t slope) { return shift_right_symmetric(slope, k); };
@@ -53,7 +53,7 @@ constexpr void pixel_area_coordinates(const reference& r, const profile& q, span
     clipped.b_v = halved(r.b_v);
     clipped.g = halved(r.g);
     clipped.h = halved(r.h);
-    if (coordinates_within(2, clipped, q, false, c)) return;
+    if (coordinates_within(2, clipped, q, false, c, v)) return;
     if (!r.u_in_range || !r.v_in_range) break;
   }
   pixel_coordinates(r, q, c);
@@ -64,7 +64,7 @@ constexpr void pixel_area_coordinates(const reference& r, const profile& q, span
 
 // --- datapath side -------------------------------------------------------------------------------------
 
-using corner_offset = s<4, 0>;
+template <class Prof> using corner_offset = s<Prof::has_variants ? 5 : 4, 0>;
 using wide_coordinate = s<16, 16>;  // texels of level 0: |base| <= 2^15 and at most 2^13 from it
 template <class Prof> using steep_slope_of_w = s<-1, Prof::max_reciprocal_bits>;
 
@@ -73,8 +73,8 @@ struct wide_position { wide_coordinate u, v; };
 // (x, y) half pixels from the centre of pixel (i, j).
 template <class Prof>
 constexpr wide_position position_beside(const Prof& prof, const span_coefficients& c, int i, int j, screen_offset d) {
-  const auto hx = corner_offset::from_raw((c.centred ? 0 : half_pixels(i)) + d.x);
-  const auto hy = corner_offset::from_raw((c.centred ? 0 : half_pixels(j)) + d.y);
+  const auto hx = corner_offset<Prof>::from_raw((c.centred ? 0 : half_pixels_x<Prof>(c, i)) + d.x);
+  const auto hy = corner_offset<Prof>::from_raw((c.centred ? 0 : half_pixels_y<Prof>(c, j)) + d.y);
   const uint32_t reciprocal = reciprocal_of(prof, c, slope_at<Prof, steep_slope_of_w<Prof>>(c, hx, hy));
   const auto at = [&](int32_t base, offset_mantissa<Prof> n) {
     return trust_to<wide_coordinate>(unlimited_coordinate_at(prof, c, base, n, reciprocal));

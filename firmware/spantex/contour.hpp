@@ -107,7 +107,7 @@ constexpr int32_t half_log2(uint64_t square) { return square == 0 ? -(32 << 16) 
 template <class Prof>
 constexpr int32_t across_log2(const Prof& prof, const span_coefficients& c, field_gradient d, int i, int j) {
   const axis_terms& t = c.axis;
-  const int32_t hx = half_pixels(i), hy = half_pixels(j);
+  const int32_t hx = half_pixels_x<Prof>(c, i), hy = half_pixels_y<Prof>(c, j);
   const jacobian m{t.c_u + t.b_u * hy, t.a_u - t.b_u * hx, t.c_v + t.b_v * hy, t.a_v - t.b_v * hx};
   const int drop = max_of(detail::excess_bits(m.ux, m.vx, detail::column_bits), detail::excess_bits(m.uy, m.vy, detail::column_bits));
   const auto cut = [drop](int64_t x) { return int32_t(shift_right_symmetric(x, drop)); };

@@ -143,17 +143,30 @@ constexpr bool exact_reference_at(const plane& p, int32_t hx, int32_t hy, refere
 
 // Half pixels from the centre to the outermost pixel centres.
 inline constexpr int reach = span_side - 1;
+constexpr int span_reach(const unit_variants& v) { return (1 << v.span_log2) - 1; }
 
 inline constexpr int series_bits = 14;        // e and q of the series: 16-bit numbers in 2^(slope_log2 - 14)
 inline constexpr int least_slope_log2 = -15;  // flatter spans count as this
 inline constexpr int most_series_slope_log2 = -2, most_series_terms = 4;
 
+// An evaluation asked for, where the datapath has it.
+constexpr void force_evaluation(evaluation_order order, bool may_be_series, span_coefficients& c) {
+  c.how = evaluation::divide;
+  c.terms = 1;
+  if (order == evaluation_order::affine || (c.g | c.h) == 0) c.how = evaluation::affine;
+  else if (order != evaluation_order::divide && may_be_series) {
+    c.how = evaluation::series;
+    c.terms = uint8_t(int(order) - int(evaluation_order::series1) + 1);
+  }
+}
+
 // The cheapest evaluation within the tolerance (ACCURACY 6), from the rounded slopes: |e| < 2^slope_log2 for every pixel.
-constexpr void choose_evaluation(const profile& q, int farthest, int extent_log2, bool may_be_series, span_coefficients& c) {
+constexpr void choose_evaluation(const profile& q, int farthest, int extent_log2, bool may_be_series, span_coefficients& c, const unit_variants& v = {}) {
   const uint64_t slope = uint64_t(farthest) * (magnitude(c.g) + magnitude(c.h));
   const int slope_log2 = max_of(bit_length(slope) - q.reciprocal_bits, least_slope_log2);  // -1 or less
   const int steep = slope_log2 > most_series_slope_log2 ? 1 : 0;
   c.slope_log2 = int8_t(slope_log2);
+  if (v.order != evaluation_order::by_tolerance) return force_evaluation(v.order, may_be_series && steep == 0, c);
   c.terms = 1;
   c.how = evaluation::divide;
   if (slope == 0 || extent_log2 + slope_log2 + 1 + steep <= -q.tolerance_bits) {
@@ -172,7 +185,7 @@ constexpr void choose_evaluation(const profile& q, int farthest, int extent_log2
 
 // Fills the coordinate part of the coefficients about a reference point, for positions up to `farthest` half pixels from it. False if w
 // leaves (1/2, 3/2) there, u or v is out of range, or they reach more than 2^max_extent_log2 texels.
-constexpr bool coordinates_within(int farthest, const reference& r, const profile& q, bool may_be_series, span_coefficients& c) {
+constexpr bool coordinates_within(int farthest, const reference& r, const profile& q, bool may_be_series, span_coefficients& c, const unit_variants& v = {}) {
   if (!r.u_in_range || !r.v_in_range || r.slope_drop > 0) return false;
   const uint64_t slope = uint64_t(farthest) * (magnitude(r.g) + magnitude(r.h));
   if (slope >= uint64_t(r.w) / 2 - uint64_t(r.w) / 256) return false;  // the margin keeps the rounded w in (1/2, 3/2) as well
@@ -196,13 +209,13 @@ constexpr bool coordinates_within(int farthest, const reference& r, const profil
   c.g = quotient(r.g, slope_drop, r.inverse_w, q.reciprocal_bits);
   c.h = quotient(r.h, slope_drop, r.inverse_w, q.reciprocal_bits);
   c.exponent = int8_t(exponent);
-  choose_evaluation(q, farthest, extent_log2, may_be_series, c);
+  choose_evaluation(q, farthest, extent_log2, may_be_series, c, v);
   return true;
 }
 
 // Of a span about its centre. False if it must be evaluated pixel by pixel.
-constexpr bool span_coordinates(const reference& r, const profile& q, span_coefficients& c) {
-  return coordinates_within(reach, r, q, true, c);
+constexpr bool span_coordinates(const reference& r, const profile& q, span_coefficients& c, const unit_variants& v = {}) {
+  return coordinates_within(span_reach(v), r, q, true, c, v);
 }
 
 // Fills the coordinate part for a single pixel about its own centre: the same position wherever it is evaluated.
@@ -224,12 +237,16 @@ constexpr void pixel_coordinates(const reference& r, const profile& q, span_coef
 
 // Half pixels from the span's centre to pixel column or row i.
 constexpr int32_t half_pixels(int i) { return 2 * i - reach; }
-using half_pixel_offset = s<3, 0>;
-constexpr half_pixel_offset offset_to(int i) { return half_pixel_offset::from_raw(half_pixels(i)); }
+// From the reference point, which only the simulator has elsewhere (unit_variants::span_log2).
+template <class Prof> constexpr int32_t half_pixels_x(const span_coefficients& c, int i) { return half_pixels(i) + (Prof::has_variants ? c.from_x : 0); }
+template <class Prof> constexpr int32_t half_pixels_y(const span_coefficients& c, int j) { return half_pixels(j) + (Prof::has_variants ? c.from_y : 0); }
+template <class Prof> using half_pixel_offset = s<Prof::has_variants ? 4 : 3, 0>;
+template <class Prof> constexpr half_pixel_offset<Prof> offset_x(const span_coefficients& c, int i) { return half_pixel_offset<Prof>::from_raw(half_pixels_x<Prof>(c, i)); }
+template <class Prof> constexpr half_pixel_offset<Prof> offset_y(const span_coefficients& c, int j) { return half_pixel_offset<Prof>::from_raw(half_pixels_y<Prof>(c, j)); }
 
 // Formats of the datapath, by the profile's widest numbers: mantissas (scaled by a run-time exponent), slopes below 1/14, and 1/w.
 template <class Prof> using offset_mantissa = s<Prof::max_offset_bits, 0>;
-template <class Prof> using slope_of_w = s<-3, Prof::max_reciprocal_bits>;
+template <class Prof> using slope_of_w = s<Prof::has_variants ? -2 : -3, Prof::max_reciprocal_bits>;  // below 1/6 on spans of 4 pixels
 template <class Prof> using relative_w = u<1, Prof::max_reciprocal_bits>;
 
 // c + a hx + b hy. The planner bounds |c| + n (|a| + |b|) below 2^(offset_bits - 1), n the largest offset, so the sum fits (proofs:
@@ -240,8 +257,8 @@ constexpr offset_mantissa<Prof> numerator_at(int32_t c, int32_t a, int32_t b, s<
   return trust_to<mantissa>(mantissa::from_raw(c) + mantissa::from_raw(a) * hx + mantissa::from_raw(b) * hy);
 }
 template <class Prof>
-constexpr offset_mantissa<Prof> numerator_at(int32_t c, int32_t a, int32_t b, int i, int j) {
-  return numerator_at<Prof>(c, a, b, offset_to(i), offset_to(j));
+constexpr offset_mantissa<Prof> numerator_at(const span_coefficients& at, int32_t c, int32_t a, int32_t b, int i, int j) {
+  return numerator_at<Prof>(c, a, b, offset_x<Prof>(at, i), offset_y<Prof>(at, j));
 }
 
 // e = g hx + h hy as reciprocal_bits fraction bits: |e| < 1/2 by the planner's condition and relative_w_bound() < 1/256.
@@ -252,7 +269,7 @@ constexpr relative_slope<Prof> slope_at(const span_coefficients& c, s<I, 0> hx, 
 }
 template <class Prof>
 constexpr relative_slope<Prof> slope_at(const span_coefficients& c, int i, int j) {
-  return slope_at<Prof, slope_of_w<Prof>>(c, offset_to(i), offset_to(j));
+  return slope_at<Prof, slope_of_w<Prof>>(c, offset_x<Prof>(c, i), offset_y<Prof>(c, j));
 }
 
 // w = 1 + e, in (1/2, 3/2).
@@ -267,13 +284,13 @@ constexpr uint32_t w_at(const Prof& prof, const span_coefficients& c, int i, int
 }
 
 // 1/w for w in (1/2, 3/2), same format.
-constexpr uint32_t reciprocal_of_w(uint32_t w, int bits) {
+constexpr uint32_t reciprocal_of_w(uint32_t w, int bits, const unit_variants& v = {}) {
   const int below_one = (w >> bits) == 0 ? 1 : 0;
   if (bits <= 15) {
-    const uint32_t y = reciprocal_narrow(w << (15 - bits + below_one));
+    const uint32_t y = reciprocal_narrow(w << (15 - bits + below_one), v);
     return shift_right(y, 16 - bits - below_one);
   }
-  const uint64_t y = reciprocal_wide(w << (31 - bits + below_one));
+  const uint64_t y = reciprocal_wide(w << (31 - bits + below_one), v);
   return uint32_t(shift_right(y, 32 - bits - below_one));
 }
 
@@ -281,7 +298,7 @@ constexpr uint32_t reciprocal_of_w(uint32_t w, int bits) {
 template <class Prof>
 constexpr uint32_t reciprocal_of(const Prof& prof, const span_coefficients& c, relative_slope<Prof> e) {
   const int bits = prof.get().reciprocal_bits;
-  return c.how == evaluation::affine ? uint32_t(1) << bits : reciprocal_of_w(w_of(prof, e), bits);
+  return c.how == evaluation::affine ? uint32_t(1) << bits : reciprocal_of_w(w_of(prof, e), bits, prof.variants());
 }
 template <class Prof>
 constexpr uint32_t reciprocal_at(const Prof& prof, const span_coefficients& c, int i, int j) {
@@ -351,7 +368,7 @@ constexpr coordinate coordinate_at(const Prof& prof, const span_coefficients& c,
 
 template <class Prof>
 constexpr texel_position position_at(const Prof& prof, const span_coefficients& c, int i, int j) {
-  auto u = numerator_at<Prof>(c.c_u, c.a_u, c.b_u, i, j), v = numerator_at<Prof>(c.c_v, c.a_v, c.b_v, i, j);
+  auto u = numerator_at<Prof>(c, c.c_u, c.a_u, c.b_u, i, j), v = numerator_at<Prof>(c, c.c_v, c.a_v, c.b_v, i, j);
   uint32_t reciprocal = 0;
   switch (c.how) {
     case evaluation::affine: break;
@@ -371,7 +388,8 @@ template <class Prof>
 constexpr int32_t position_slack(const Prof& prof, const span_coefficients& c) {
   const profile& q = prof.get();
   const int extent_log2 = q.offset_bits - 1 - c.exponent;
-  const uint64_t bound = evaluation_bound(q, extent_log2, c.how);
+  uint64_t bound = evaluation_bound(q, extent_log2, c.how, prof.variants());
+  if (prof.variants().order != evaluation_order::by_tolerance) bound += forced_evaluation_bound(extent_log2, c.slope_log2, c.terms, c.how);
   return int32_t(2 * bound >> (error_unit_log2 - 16)) + 2;  // the corners' own rounding and the pixel's
 }
 

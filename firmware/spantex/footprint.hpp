@@ -85,7 +85,7 @@ inline constexpr int max_axis_exponent = 60;
 
 // The axis terms from the columns at the point, per half pixel in 2^-exponent texels, and from the twist. A vector of more than 2^14 texels
 // per half pixel is cut to that: its level lies beyond the last one either way.
-constexpr axis_terms axis_of(const profile& q, jacobian j, int64_t twist_u, int64_t twist_v, int exponent) {
+constexpr axis_terms axis_of(const profile& q, jacobian j, int64_t twist_u, int64_t twist_v, int exponent, int reach = spantex::reach) {
   const screen_direction d = direction_at(major_direction(j));
   const int64_t c_u = d.cos * j.ux + d.sin * j.uy, c_v = d.cos * j.vx + d.sin * j.vy;
   const int64_t a_u = -d.sin * twist_u, b_u = d.cos * twist_u, a_v = -d.sin * twist_v, b_v = d.cos * twist_v;
@@ -117,7 +117,8 @@ constexpr jacobian span_jacobian(const profile& q, const span_coefficients& c) {
 
 constexpr void span_axis(const profile& q, span_coefficients& c) {
   const auto slope = [&](int32_t x, int32_t s) { return detail::times_slope(x, s, q.reciprocal_bits); };
-  c.axis = detail::axis_of(q, span_jacobian(q, c), slope(c.a_u, c.h) - slope(c.b_u, c.g), slope(c.a_v, c.h) - slope(c.b_v, c.g), c.exponent);
+  c.axis = detail::axis_of(q, span_jacobian(q, c), slope(c.a_u, c.h) - slope(c.b_u, c.g), slope(c.a_v, c.h) - slope(c.b_v, c.g), c.exponent,
+                           reach + int(magnitude(c.from_x)));
 }
 
 // Of a single pixel about its own centre, from the plane's forms: W^2 J over W^2.
@@ -193,7 +194,7 @@ constexpr footprint_shape shape_of(const Prof& prof, const span_coefficients& c,
 template <class Prof>
 constexpr footprint footprint_at(const Prof& prof, const span_coefficients& c, int i, int j) {
   const axis_terms& t = c.axis;
-  const auto u = numerator_at<Prof>(t.c_u, t.a_u, t.b_u, i, j), v = numerator_at<Prof>(t.c_v, t.a_v, t.b_v, i, j);
+  const auto u = numerator_at<Prof>(c, t.c_u, t.a_u, t.b_u, i, j), v = numerator_at<Prof>(c, t.c_v, t.a_v, t.b_v, i, j);
   const int bits = prof.get().reciprocal_bits;
   const int32_t log2_w = (c.g | c.h) != 0 ? log2_16(w_at(prof, c, i, j)) - (bits << 16) : 0;
   const uint32_t reciprocal = reciprocal_at(prof, c, i, j);

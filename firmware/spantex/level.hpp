@@ -50,9 +50,9 @@ constexpr void span_levels(const profile& q, span_coefficients& c) {
   const int64_t uy = c.b_u - slope(c.c_u, c.h), vy = c.b_v - slope(c.c_v, c.h);
   const int64_t twist_u = slope(c.a_u, c.h) - slope(c.b_u, c.g), twist_v = slope(c.a_v, c.h) - slope(c.b_v, c.g);
   for (int k = 0; k < span_side; ++k) {
-    const int32_t half = half_pixels(k);
-    c.level_row[k] = detail::log2_length(ux + twist_u * half, vx + twist_v * half, c.exponent);
-    c.level_column[k] = detail::log2_length(uy - twist_u * half, vy - twist_v * half, c.exponent);
+    const int32_t hx = half_pixels(k) + c.from_x, hy = half_pixels(k) + c.from_y;
+    c.level_row[k] = detail::log2_length(ux + twist_u * hy, vx + twist_v * hy, c.exponent);
+    c.level_column[k] = detail::log2_length(uy - twist_u * hx, vy - twist_v * hx, c.exponent);
   }
 }
 

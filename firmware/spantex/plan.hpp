@@ -86,8 +86,8 @@ constexpr axis_reach footprint_reach(const Prof& prof, const span_coefficients& 
   uint32_t reciprocal = 0;
   for (int corner = 0; corner < 4; ++corner) {
     const int i = corner & 1 ? pixels.x1 : pixels.x0, j = corner & 2 ? pixels.y1 : pixels.y0;
-    const uint64_t nu = magnitude(numerator_at<Prof>(t.c_u, t.a_u, t.b_u, i, j).raw());
-    const uint64_t nv = magnitude(numerator_at<Prof>(t.c_v, t.a_v, t.b_v, i, j).raw());
+    const uint64_t nu = magnitude(numerator_at<Prof>(c, t.c_u, t.a_u, t.b_u, i, j).raw());
+    const uint64_t nv = magnitude(numerator_at<Prof>(c, t.c_v, t.a_v, t.b_v, i, j).raw());
     const uint32_t r = reciprocal_at(prof, c, i, j);
     u = nu > u ? nu : u;
     v = nv > v ? nv : v;
@@ -311,13 +311,16 @@ constexpr int32_t pixel_level(const Prof& prof, const texture_view& t, const spa
   return uses_footprint(c.kind) ? footprint_at(prof, c, i, j).level : level_at(prof, c, i, j);
 }
 
+// Row or column of the span nearest to the reference point; of the two middle ones the second.
+constexpr int nearest_index(int8_t from) { return clamp_to(span_side / 2 - from / 2, 0, span_side - 1); }
+
 // The level a whole span shares (level_scope::span): that of its reference point, where w = 1.
 template <class Prof>
 constexpr int32_t reference_level(const Prof& prof, const span_coefficients& c) {
   const profile& q = prof.get();
   if (uses_footprint(c.kind)) return footprint_level(prof, c);
-  const int32_t term =
-      c.level_row[span_side / 2] > c.level_column[span_side / 2] ? c.level_row[span_side / 2] : c.level_column[span_side / 2];
+  const int row = nearest_index(c.from_y), column = nearest_index(c.from_x);
+  const int32_t term = c.level_row[row] > c.level_column[column] ? c.level_row[row] : c.level_column[column];
   const int32_t level = shift_right(term * (1 << (16 - level_term_bits)) + q.level_bias * (1 << 12), 16 - q.level_bits);
   return clamp_to(level, 0, int32_t(c.last_level) << q.level_bits);
 }
@@ -359,7 +362,8 @@ constexpr void fix_levels(int16_t level, span_coefficients& c) {
 template <class Prof>
 constexpr bool coordinates_of_span(const Prof& prof, const surface& s, int32_t hx, int32_t hy, reference& r, span_coefficients& c) {
   const profile& q = prof.get();
-  const auto whole = [&] { return uses_area(s.kind) ? coordinates_within(area_reach, r, q, false, c) : span_coordinates(r, q, c); };
+  const unit_variants& v = prof.variants();
+  const auto whole = [&] { return uses_area(s.kind) ? coordinates_within(area_reach(v), r, q, false, c, v) : span_coordinates(r, q, c, v); };
   r = reference_at(*s.map, hx, hy);
   if (!whole()) return false;
   if constexpr (Prof::has_exact_set_up) {
@@ -380,7 +384,7 @@ constexpr void coordinates_of_pixel(const Prof& prof, const surface& s, int32_t 
       if (!exact_reference_at(*s.map, hx, hy, r)) r = rounded;
     }
   }
-  if (uses_area(s.kind)) pixel_area_coordinates(r, q, c);
+  if (uses_area(s.kind)) pixel_area_coordinates(r, q, c, prof.variants());
   else pixel_coordinates(r, q, c);
 }
 
@@ -405,18 +409,18 @@ constexpr span_coefficients blank_coefficients(const surface& s) {
   return c;
 }
 
-}  // namespace detail
-
-// Plans span (sx, sy): calls sink(span_job&) -> status for every job, in a fixed order. All pixels of the mask have W > 0.
+// The same as plan_span() about a reference point that lies (from_x, from_y) half pixels before the span's centre.
 template <class Prof, class Sink>
-constexpr status plan_span(const Prof& prof, const surface& s, int32_t sx, int32_t sy, span_mask mask, Sink&& sink) {
+constexpr status plan_about(const Prof& prof, const surface& s, int32_t sx, int32_t sy, span_mask mask, int8_t from_x, int8_t from_y, Sink& sink) {
   const profile& q = prof.get();
   const int32_t cx = 2 * span_side * sx + span_side, cy = 2 * span_side * sy + span_side;  // the centre, half pixels
   span_job job{detail::blank_coefficients(s), mask, {}, {}, 1, true};
   span_coefficients& c = job.coefficients;
-  if (s.map->w_at(cx, cy) > 0) {
+  if (s.map->w_at(cx - from_x, cy - from_y) > 0) {
     reference r;
-    if (detail::coordinates_of_span(prof, s, cx, cy, r, c)) {
+    c.from_x = from_x;
+    c.from_y = from_y;
+    if (detail::coordinates_of_span(prof, s, cx - from_x, cy - from_y, r, c)) {
       if (uses_footprint(s.kind)) {
         span_axis(q, c);
       } else if (uses_levels(s.kind) && !uses_area(s.kind)) {
@@ -445,6 +449,29 @@ constexpr status plan_span(const Prof& prof, const surface& s, int32_t sx, int32
     SPANTEX_TRY(detail::emit_levels(prof, *s.texture, job, sink));
   }
   return status::ok;
+}
+
+// Spans of 4 pixels: the quarters of a span, each about its own centre. Of 16: four spans about a common centre.
+template <class Prof, class Sink>
+constexpr status plan_other_size(const Prof& prof, const surface& s, int32_t sx, int32_t sy, span_mask mask, Sink& sink) {
+  constexpr span_mask quarter = 0x0F0F0F0F;
+  if (prof.variants().span_log2 == 4) return plan_about(prof, s, sx, sy, mask, int8_t(sx % 2 == 0 ? -8 : 8), int8_t(sy % 2 == 0 ? -8 : 8), sink);
+  for (int k = 0; k < 4; ++k) {
+    const int x = k % 2, y = k / 2;
+    const span_mask part = mask & quarter << (4 * x + 32 * y);
+    if (part != 0) SPANTEX_TRY(plan_about(prof, s, sx, sy, part, int8_t(4 - 8 * x), int8_t(4 - 8 * y), sink));
+  }
+  return status::ok;
+}
+
+}  // namespace detail
+
+// Plans span (sx, sy): calls sink(span_job&) -> status for every job, in a fixed order. All pixels of the mask have W > 0.
+template <class Prof, class Sink>
+constexpr status plan_span(const Prof& prof, const surface& s, int32_t sx, int32_t sy, span_mask mask, Sink&& sink) {
+  if constexpr (Prof::has_variants)
+    if (prof.variants().span_log2 != 3) return detail::plan_other_size(prof, s, sx, sy, mask, sink);
+  return detail::plan_about(prof, s, sx, sy, mask, 0, 0, sink);
 }
 
 }  // namespace spantex

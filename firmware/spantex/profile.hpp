@@ -84,6 +84,28 @@ inline constexpr profile exact{.fine_side = 32, .sample_slack = 0};
 
 }  // namespace profiles
 
+// How 1/w is evaluated on a span.
+enum class evaluation_order : uint8_t {
+  by_tolerance,                        // the cheapest that keeps the tolerance: every profile of a device
+  affine,                              // no division at all: what perspective bends within a span is lost
+  series1, series2, series3, series4,  // so many terms; a divide where |w - 1| may reach 1/4
+  divide,                              // everywhere but where w is 1
+};
+
+// What all devices have alike, and the simulator may vary beside a profile's numbers (docs/SWEEPS.md): the same arithmetic with other constants.
+struct unit_variants {
+  int reciprocal_table_log2 = 7;  // the datapath's reciprocal unit: 2^this seeds (3 to 10) ...
+  int reciprocal_iterations = 2;  // ... and Newton steps (0 to 2; of a unit of 16 bits at most 1)
+  evaluation_order order = evaluation_order::by_tolerance;
+  int span_log2 = 3;              // pixels along a side of what shares a reference point, a level's terms and an evaluation: 4, 8 or 16
+  friend constexpr bool operator==(const unit_variants&, const unit_variants&) = default;
+};
+
+constexpr bool is_valid(const unit_variants& v) {
+  return v.reciprocal_table_log2 >= 3 && v.reciprocal_table_log2 <= 10 && v.reciprocal_iterations >= 0 && v.reciprocal_iterations <= 2 && v.span_log2 >= 2 &&
+         v.span_log2 <= 4;
+}
+
 // A profile known at compile time.
 template <profile P>
 struct fixed_profile {
@@ -92,7 +114,9 @@ struct fixed_profile {
   static constexpr int max_offset_bits = P.offset_bits;
   static constexpr int max_reciprocal_bits = P.reciprocal_bits;
   static constexpr bool has_contours = P.contours, has_linear_light = P.linear_light, has_exact_set_up = P.exact_set_up;
+  static constexpr bool has_variants = false;
   constexpr const profile& get() const { return value; }
+  static constexpr unit_variants variants() { return {}; }
   static constexpr profile value = P;
 };
 
@@ -101,9 +125,11 @@ struct run_time_profile {
   static constexpr int max_fine_side = 32;
   static constexpr int max_offset_bits = 31;
   static constexpr int max_reciprocal_bits = 30;
-  static constexpr bool has_contours = true, has_linear_light = true, has_exact_set_up = true;
+  static constexpr bool has_contours = true, has_linear_light = true, has_exact_set_up = true, has_variants = true;
   constexpr const profile& get() const { return value; }
+  constexpr const unit_variants& variants() const { return units; }
   profile value;
+  unit_variants units{};
 };
 
 }  // namespace spantex

@@ -6,15 +6,16 @@
 
 #include <spantex/bits.hpp>
 #include <spantex/fixed.hpp>
+#include <spantex/profile.hpp>
 
 namespace spantex {
 
 inline constexpr int reciprocal_seed_bits = 7;
 
-// Seed for m in [1 + k/128, 1 + (k+1)/128): the reciprocal of the interval's middle, u0.16.
-constexpr uint32_t reciprocal_seed(uint32_t k) {
-  const uint32_t middle = (2u << reciprocal_seed_bits) + 2 * k + 1;  // u1.8 with half steps
-  return ((1u << (17 + reciprocal_seed_bits)) + middle / 2) / middle;
+// Seed for m in [1 + k/2^bits, 1 + (k+1)/2^bits): the reciprocal of the interval's middle, u0.16. bits <= 10.
+constexpr uint32_t reciprocal_seed(uint32_t k, int bits = reciprocal_seed_bits) {
+  const uint32_t middle = (2u << bits) + 2 * k + 1;  // u1.bits with half steps
+  return ((1u << (17 + bits)) + middle / 2) / middle;
 }
 
 struct reciprocal_table {
@@ -25,6 +26,12 @@ struct reciprocal_table {
 };
 inline constexpr reciprocal_table reciprocal_seeds{};
 
+// From the table; of one of another size (unit_variants) as the table would be made. m: `fraction` bits below its top bit.
+constexpr uint32_t seed_of(uint32_t m, int fraction, int bits) {
+  const uint32_t k = (m >> (fraction - bits)) & ((1u << bits) - 1);
+  return bits == reciprocal_seed_bits ? reciprocal_seeds.seed[k] : reciprocal_seed(k, bits);
+}
+
 // One Newton step in 32 x 32 -> 64: m u1.31, y u0.32.
 SPANTEX_WRAPS constexpr uint32_t newton_step(uint32_t m, uint32_t y) {
   const int64_t error = int64_t((uint64_t(1) << 63) - uint64_t(m) * y);   // 1 - m y, 63 fraction bits
@@ -33,16 +40,17 @@ SPANTEX_WRAPS constexpr uint32_t newton_step(uint32_t m, uint32_t y) {
 }
 
 // m: u1.31 with its top bit set. Result: u0.32, less than 4 below 2^63/m and never above it.
-constexpr uint32_t reciprocal_wide(uint32_t m) {
-  uint32_t y = uint32_t(reciprocal_seeds.seed[(m >> 24) & 127]) << 16;
-  y = newton_step(m, y);
-  return newton_step(m, y);
+constexpr uint32_t reciprocal_wide(uint32_t m, const unit_variants& unit = {}) {
+  uint32_t y = seed_of(m, 31, unit.reciprocal_table_log2) << 16;
+  for (int k = 0; k < unit.reciprocal_iterations; ++k) y = newton_step(m, y);
+  return y;
 }
 
 // The same unit with 32-bit products only: m u1.15 with its top bit set, result u0.16, less than 4 below
 // 2^31/m and never above it.
-SPANTEX_WRAPS constexpr uint32_t reciprocal_narrow(uint32_t m) {
-  const uint32_t y = reciprocal_seeds.seed[(m >> 8) & 127];
+SPANTEX_WRAPS constexpr uint32_t reciprocal_narrow(uint32_t m, const unit_variants& unit = {}) {
+  const uint32_t y = seed_of(m, 15, unit.reciprocal_table_log2);
+  if (unit.reciprocal_iterations == 0) return y;
   const int32_t error = int32_t((uint32_t(1) << 31) - m * y);             // 31 fraction bits
   const int32_t next = int32_t(y) + ((int32_t(y) * (error >> 16)) >> 15);
   return uint32_t(min_of(next, 0xFFFF));

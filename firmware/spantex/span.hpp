@@ -86,6 +86,7 @@ struct span_coefficients {
   bool corrects;                           // the section may be too small: coordinates are clamped to it
   bool linear_light;                       // r, g, b are sRGB codes (srgb.hpp), filtered in linear light
   bool centred;                            // the reference point is the centre of the one pixel in the mask, and slopes count (step, hat)
+  int8_t from_x = 0, from_y = 0;           // half pixels from the reference point to the span's centre: in the simulator only (unit_variants)
 };
 
 // Weighted sums of texels over part of a footprint; their total over all parts is divided once. Below 2^32: weights add up to at most 2^24

@@ -103,7 +103,7 @@ numbers answer(const std::string& step, const numbers& x) {
   const auto pixel = [&](size_t at) { return std::pair(int(x[at]), int(x[at + 1])); };
   if (step == "newton_step") return {newton_step(uint32_t(x[0]), uint32_t(x[1]))};
   if (step == "quotient") return {quotient(x[0], int(x[1]), {uint32_t(x[2]), int(x[3])}, int(x[4]))};
-  if (step == "numerator") return {numerator_at<run_time_profile>(int32_t(x[0]), int32_t(x[1]), int32_t(x[2]), pixel(3).first, pixel(3).second).raw()};
+  if (step == "numerator") return {numerator_at<run_time_profile>(span_coefficients{}, int32_t(x[0]), int32_t(x[1]), int32_t(x[2]), pixel(3).first, pixel(3).second).raw()};
   if (step == "relative_w") {
     span_coefficients c{};
     c.g = int32_t(x[1]);

@@ -21,6 +21,7 @@ void add_chessboard_command(CLI::App& app);
 void add_demo_command(CLI::App& app);
 void add_bench_command(CLI::App& app);
 void add_bench_rig_command(CLI::App& app);
+void add_sweep_command(CLI::App& app);
 
 // GCK09's four pictures of a scene of the chessboard into the folder, and their table; profile and background of `how` count.
 void chessboard_experiment(const sim::scene& s, sim::draw_options how, const std::string& folder);

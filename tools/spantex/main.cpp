@@ -45,6 +45,7 @@ int main(int argc, char** argv) {
   spantex::tool::add_demo_command(app);
   spantex::tool::add_bench_command(app);
   spantex::tool::add_bench_rig_command(app);
+  spantex::tool::add_sweep_command(app);
 
   const std::vector<std::string> names = subcommand_names(app);
   const std::string first = argc > 1 ? argv[1] : "";

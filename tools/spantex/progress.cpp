@@ -26,7 +26,12 @@ void progress_bar::advance(int parts) {
   constexpr int width = 40;
   const int full = int(int64_t(width) * done_ / total_), percent = int(int64_t(100) * done_ / total_);
   const std::string bar = std::string(size_t(full), '#') + std::string(size_t(width - full), '.');
-  fprintf(stderr, "\r\033[K%s [%s] %d %%", label_.c_str(), bar.c_str(), percent);
+  const double spent_s = std::chrono::duration<double>(now - begun_).count();
+  const auto left_s = int64_t(spent_s * (total_ - done_) / std::max(1, done_) + 0.5);
+  char left[48];
+  if (left_s < 100) snprintf(left, sizeof left, "%lld s", static_cast<long long>(left_s));
+  else snprintf(left, sizeof left, "%lld min", static_cast<long long>((left_s + 30) / 60));
+  fprintf(stderr, "\r\033[K%s [%s] %d %%, %s left", label_.c_str(), bar.c_str(), percent, left);
   drawn_ = now;
   shown_ = true;
 }
