@@ -33,7 +33,7 @@ constexpr uint64_t reach_of(int32_t c, int32_t a, int32_t b, int farthest) {
 
 constexpr int farthest_offset(const span_coefficients& c) {
   if (!uses_area(c.kind)) return reach;
-  return c.centred ? 2 : area_reach;
+  return c.centred ? 2 : area_reach({});
 }
 
 // Numerators fit their mantissas, reach no farther than the planner lets them (their roundings allowed for), and every shift to
