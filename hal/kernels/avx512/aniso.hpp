@@ -151,7 +151,7 @@ SPANTEX_INLINE bool draw_aniso(const row_work& work, const batch& b, int k) {
   const bool flat = (c.g | c.h) == 0, affine = b.terms[k] == 0;
   const grouping how = grouping_of(c);
   offsets o = offsets_of(b, k, how);
-  v16 nu[quads], nv[quads], level[quads], samples[quads], out[quads];
+  v16 nu[quads], nv[quads], level[quads], samples[quads], out[quads] = {};
   forms(how, c.axis.c_u, c.axis.a_u, c.axis.b_u, nu);
   forms(how, c.axis.c_v, c.axis.a_v, c.axis.b_v, nv);
   __mmask16 several = 0;
@@ -165,6 +165,7 @@ SPANTEX_INLINE bool draw_aniso(const row_work& work, const batch& b, int k) {
   if (several == 0 && how == grouping::square) return draw_at_levels<true, Channels>(work, b, k, o, level);
 #pragma GCC unroll 1
   for (int n = 0; n < quads; ++n) {
+    if ((work.masks[b.first + k] & pixels_of(how, n)) == 0) continue;
     const shapes16 shape{level[n], samples[n]};
     const v16 one = set32(1), fine_level = _mm512_srli_epi32(shape.level, 8), coarse_level = _mm512_min_epi32(_mm512_add_epi32(fine_level, one), set32(work.last_level));
     const v16 fraction = _mm512_and_si512(shape.level, set32(255)), weights = level_weights16(fraction);

@@ -82,6 +82,16 @@ SPANTEX_INLINE void forms(v16 c, int32_t x, int32_t y, v16 (&out)[quads]) {
 // A span's pixels in four groups of sixteen, each two pixels along the footprints' major axis if they are long: its texels then lie close together.
 enum class grouping : uint8_t { square, rows, columns };
 
+// The pixels of group n.
+SPANTEX_INLINE span_mask pixels_of(grouping how, int n) {
+  switch (how) {
+    case grouping::rows: return span_mask(0xFFFF) << (16 * n);
+    case grouping::columns: return span_mask(0x0303030303030303) << (2 * n);
+    case grouping::square: break;
+  }
+  return span_mask(0x0F0F0F0F) << (32 * (n >> 1) + 4 * (n & 1));
+}
+
 SPANTEX_INLINE void forms(grouping how, int32_t c, int32_t x, int32_t y, v16 (&out)[quads]) {
   if (how == grouping::square) return forms(set32(c), x, y, out);
   const v16 along = _mm512_setr_epi32(-7, -5, -3, -1, 1, 3, 5, 7, -7, -5, -3, -1, 1, 3, 5, 7), beside = _mm512_setr_epi32(-7, -7, -7, -7, -7, -7, -7, -7, -5, -5, -5, -5, -5, -5, -5, -5);

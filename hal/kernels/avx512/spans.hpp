@@ -266,8 +266,10 @@ SPANTEX_INLINE bool blend_quads(const row_work& work, const batch& b, int k, con
   const snapping positions_at(o, b.base_u[k], b.base_v[k], _mm256_set_m128i(_mm512_castsi512_si128(coarse_level), _mm512_castsi512_si128(fine_level)));
   alignas(16) int32_t fine_of[quads];
   _mm_store_si128(reinterpret_cast<__m128i*>(fine_of), _mm512_castsi512_si128(fine_level));
+  const span_mask mask = work.masks[b.first + k];
 #pragma GCC unroll 1
   for (int n = 0; n < quads; ++n) {
+    if ((mask & pixels_of(grouping::square, n)) == 0) continue;
     const v16 fraction = _mm512_and_si512(level[n], set32(255));
     if (!(fit >> n & 1) || _mm512_cmpneq_epi32_mask(whole[n], set32(fine_of[n])) != 0) [[unlikely]] {
       if (!by_level_anywhere<TwoLevels>(map, positions_of(b, k, o, n), work.last_level, whole[n], fraction, out[n])) return false;
@@ -300,7 +302,7 @@ SPANTEX_INLINE bool blend_quads(const row_work& work, const batch& b, int k, con
 template <bool TwoLevels, int Channels>
 SPANTEX_INLINE bool draw_at_levels(const row_work& work, const batch& b, int k, offsets& o, const v16 (&level)[quads]) {
   const planar_map& map = *work.texels;
-  v16 whole[quads], out[quads];
+  v16 whole[quads], out[quads] = {};
 #pragma GCC unroll 4
   for (int n = 0; n < quads; ++n)
     whole[n] = TwoLevels ? _mm512_srai_epi32(level[n], 8)
@@ -311,8 +313,10 @@ SPANTEX_INLINE bool draw_at_levels(const row_work& work, const batch& b, int k, 
   span_sections fine, coarse;
   if (!map.exact()) [[unlikely]] {
 #pragma GCC unroll 1
-    for (int n = 0; n < quads; ++n)
+    for (int n = 0; n < quads; ++n) {
+      if ((work.masks[b.first + k] & pixels_of(grouping::square, n)) == 0) continue;
       if (!by_level_anywhere<TwoLevels>(map, positions_of(b, k, o, n), work.last_level, whole[n], _mm512_and_si512(level[n], set32(255)), out[n])) return false;
+    }
     write(work, b.sx + k, work.masks[b.first + k], out);
     return true;
   }
