@@ -167,8 +167,8 @@ GATES = [
     ("red and blue of rgb565 swapped", F + "texel.hpp", "{field(11, 5), field(5, 6), field(0, 5), 255}", "{field(0, 5), field(5, 6), field(11, 5), 255}", "texel",
      "every_16*unpacks*", []),
     # depth
-    ("equal depths drawn", F + "draw.hpp", "if (z <= stored) continue;", "if (z < stored) continue;", "polygon", "the_first*", []),
-    ("depth not stored", F + "draw.hpp", "stored = z;", "(void)z;", "polygon", "the_nearer*", []),
+    ("equal depths drawn", F + "visibility.hpp", "if (z <= stored) return false;", "if (z < stored) return false;", "polygon", "the_first*", []),
+    ("depth not stored", F + "visibility.hpp", "if (stores) stored = z;", "(void)stores;", "polygon", "the_nearer*", []),
     ("depth off by a bit", F + "polygon.hpp", "const int down = 63 + shift - (drop - 1)", "const int down = 63 + shift - drop", "polygon", "depth_is*", []),
     # sections and jobs
     ("a span that does not fit drawn whole", F + "plan.hpp", "part) && count > 1) {", "part) && count > 64) {", "plan", "jobs_hold*", []),
@@ -206,9 +206,8 @@ GATES = [
     ("means of object space cut", F + "object_space.hpp", "uint8_t((sum + p.weight / 2) / p.weight)", "uint8_t((sum - p.weight / 2) / p.weight)", "object_space", "every_constant*", OBJECT_SPACE),
     ("sine without its last term", F + "camera.hpp", "y = series_step(square, 20, y);\n  y = series_step(square, 6, y);", "y = series_step(square, 20, 0xFFFFFFFFu);\n  y = series_step(square, 6, y);",
      "camera", "sine*", []),
-    ("cut-outs pending in a span not waited for", F + "draw.hpp", "return drain();\n    return status::ok;\n  }\n\n  constexpr span_mask depth_test",
-     "return status::ok;\n    return status::ok;\n  }\n\n  constexpr span_mask depth_test", "shade", "overlapping*", []),
-    ("depth of cut-outs stored before they are known", F + "draw.hpp", "if (stores) stored = z;", "(void)stores, stored = z;", "shade", "a_cut_out*", []),
+    ("cut-outs pending in a span not waited for", F + "draw.hpp", "job.sx == sx && job.sy == sy) return drain();", "job.sx == sx && job.sy == sy) return status::ok;", "shade", "overlapping*", []),
+    ("depth of cut-outs stored before they are known", F + "visibility.hpp", "if (stores) stored = z;", "(void)stores, stored = z;", "shade", "a_cut_out*", []),
     ("blend rounded down", F + "shade.hpp", "  x += 128;\n", "  x += 127;\n", "shade", "blends*", []),
     ("colours cut to 16 bits of W", F + "shade.hpp", "const inverse over_w = invert(w);", "const inverse over_w = invert(w >> 30 << 30);", "shade", "colours_are*", []),
     ("magnified contours not steepened", F + "contour.hpp", "return clamp_to(unit - across_log2(prof, c, d, i, j) -",
@@ -297,7 +296,9 @@ GATES = [
      "const int64_t distance = scale_down(product, detail::field_bits + level_bits - int(log2 >> 16)) * 63 / 64;", *STRESS),
     ("rows with half their samples", F + "footprint.hpp", "return {level, clamp_to(int(samples), 1, q.max_samples)};", "return {level, clamp_to(int(samples) / 2, 1, q.max_samples)};",
      "conformance", "aniso_of_exact*", ["sim/verifier.cpp"]),
-    ("depth test reversed", F + "draw.hpp", "if (z <= stored) continue;", "if (z > stored) continue;", "polygon", "the_nearer*", []),
+    ("floors that hide what is in front", F + "visibility.hpp", "range.most <= *floor", "range.least <= *floor", "visibility", "floors*", []),
+    ("floors above what is stored", F + "visibility.hpp", "*floor = range.least;", "*floor = range.most;", "visibility", "no_pixel*", []),
+    ("depth test reversed", F + "visibility.hpp", "if (z <= stored) return false;", "if (z > stored) return false;", "polygon", "the_nearer*", []),
 ]
 
 FLAGS = ["-std=c++20", "-O1", "-I.", "-Ifirmware", "-pthread"]

@@ -33,26 +33,23 @@ constexpr span_mask depth_test(const polygon& p, int32_t sx, int32_t sy, span_ma
   if (floor != nullptr && range.most <= *floor) return 0;
   uint32_t* const first = depth.values + int64_t(sy) * span_side * frame_width + sx * span_side;
   const int32_t dx = 2 * span_side * sx + 1 - p.map.origin_x, dy = 2 * span_side * sy + 1 - p.map.origin_y;
+  const auto nearer = [&](int i, int j) {
+    uint32_t& stored = first[j * frame_width + i];
+    const uint32_t z = detail::depth_of(p.depth, dx + 2 * i, dy + 2 * j);
+    if (z <= stored) return false;
+    if (stores) stored = z;
+    return true;
+  };
   span_mask visible = 0;
   if (mask == full_mask) {
     for (int j = 0; j < span_side; ++j)
-      for (int i = 0; i < span_side; ++i) {
-        uint32_t& stored = first[j * frame_width + i];
-        const uint32_t z = detail::depth_of(p.depth, dx + 2 * i, dy + 2 * j);
-        const bool nearer = z > stored;
-        stored = stores && nearer ? z : stored;
-        visible |= span_mask(nearer) << (span_side * j + i);
-      }
+      for (int i = 0; i < span_side; ++i) visible |= span_mask(nearer(i, j)) << (span_side * j + i);
     if (floor != nullptr && stores && range.least > *floor) *floor = range.least;
-    return visible;
-  }
-  for (span_mask rest = mask; rest != 0; rest &= rest - 1) {
-    const int k = __builtin_ctzll(rest), i = k % span_side, j = k / span_side;
-    uint32_t& stored = first[j * frame_width + i];
-    const uint32_t z = detail::depth_of(p.depth, dx + 2 * i, dy + 2 * j);
-    if (z <= stored) continue;
-    if (stores) stored = z;
-    visible |= span_mask(1) << k;
+  } else {
+    for (span_mask rest = mask; rest != 0; rest &= rest - 1) {
+      const int k = __builtin_ctzll(rest);
+      if (nearer(k % span_side, k / span_side)) visible |= span_mask(1) << k;
+    }
   }
   return visible;
 }
