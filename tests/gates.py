@@ -144,7 +144,7 @@ GATES = [
     ("bench: libgpiod 2 leaves its settings", "hal/gpiod_lines.cpp", "  gpiod_line_settings_free(settings);", "", "gpiod2_lines", "every_failing*", GPIOD2),
     ("bench: a line's lookup fails unnamed", "hal/gpiod_lines.cpp", 'return failed("line " + std::string(role) + " = " + *name', 'return failed("line " + *name', "gpiod_lines", "every_failing*", GPIOD),
     ("bench: control lines stay outputs", "hal/gpiod_lines.cpp", "if (control_driven) control_driven = gpio::make_inputs(control) != 0;", "", "gpiod_lines", "lines_become*", GPIOD),
-    ("bench: echo that does not turn", "firmware/bench/port.hpp", "latched_ << 1 | latched_ >> (DataBits - 1)", "latched_", "bench_self_test", "every_single*",
+    ("bench: echo that does not turn", "firmware/bench/port.hpp", "latched_ << 1 | latched_ >> (DataBits - 1)", "latched_", "bench_self_test", "sound_wires*",
      [*BENCH, "sim/bench_self_test.cpp"]),
     # wrap modes
     ("repeat without its sign", F + "wrap.hpp", "if (k < 0) k += period;", "(void)0;", "wrap", "every_size*", []),
