@@ -265,11 +265,12 @@ status gpiod_lines::failed(const std::string& what, int error) {
 
 std::string gpiod_lines::data_lines() const { return "lines D0 to D" + std::to_string(rig_.data_bits - 1); }
 
+std::string gpiod_lines::trouble() const {
+  return interrupted() ? rig_.chip + ": stopped by signal " + std::to_string(int(stopped_by)) : trouble_;
+}
+
 status gpiod_lines::may_go_on() {
-  if (interrupted()) {
-    trouble_ = rig_.chip + ": stopped by signal " + std::to_string(int(stopped_by));
-    return status::device_error;
-  }
+  if (interrupted()) return status::device_error;
   if (chip_ != nullptr) return status::ok;
   trouble_ = rig_.chip + ": not open";
   return status::device_error;

@@ -49,7 +49,7 @@ class gpiod_lines final : public bench_lines {
   void release_all() override;
   status reopen() override;
   bool interrupted() const override;
-  std::string trouble() const override { return trouble_; }
+  std::string trouble() const override;  // of the signal, once one has stopped it
 
  private:
   struct chip;

@@ -28,5 +28,6 @@ uint64_t gpiod_lines::now_ns() { return 0; }
 void gpiod_lines::release_all() {}
 status gpiod_lines::reopen() { return failed("", 0); }
 bool gpiod_lines::interrupted() const { return false; }
+std::string gpiod_lines::trouble() const { return trouble_; }
 
 }  // namespace spantex

@@ -37,6 +37,7 @@ class sysfs_pins {
     bench::control_lines c;
     c.clock = is_high(clock_line);
     c.reset = is_high(reset_line);
+    if (c.reset) drive(driven_);  // a line that the host let go keeps its level until it is pulled again, and the self-test lets go at any time
     if (!c.clock && !c.reset) return c;
     c.to_host = is_high(direction_line);
     c.command = is_high(command_line);
@@ -47,10 +48,10 @@ class sysfs_pins {
     for (int k = 0; k < 8; ++k) byte |= (is_high(k) ? 1 : 0) << k;
     return uint8_t(byte);
   }
+  // Every line, every time, for the same reason.
   void drive(uint8_t byte) {
-    for (int k = 0; k < 8; ++k)
-      if (((byte ^ pulled_) >> k & 1) != 0) pull(k, (byte >> k & 1) != 0);
-    pulled_ = byte;
+    driven_ = byte;
+    for (int k = 0; k < 8; ++k) pull(k, (byte >> k & 1) != 0);
   }
   void release() { drive(0); }  // as the wires' own pull-downs; a pull gives way to an output
   void show(const bench::status_lines& s) {
@@ -82,7 +83,7 @@ class sysfs_pins {
 
   int values_[line_count], pulls_[line_count];
   bench::status_lines shown_{};
-  uint8_t pulled_ = 0;
+  uint8_t driven_ = 0;
   bool first_ = true;
   long bytes_left_;
   const char* file_;

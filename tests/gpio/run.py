@@ -84,7 +84,7 @@ def make_root(root, build, release, size):
     shutil.copy(next(pathlib.Path(f"/lib/modules/{release}").rglob("configfs.ko")), root / "modules")
     for module in ("irq_sim.ko", "gpio-sim.ko"):
         shutil.copy(build / "gpio/modules" / module, root / "modules")
-    rig = {"chip": "bench-chip", "lines": {n: n for n in LINES}, "settle_ns": 2_000_000_000, "limits": {"step_ns": 2_000_000_000, "exchange_ns": 60_000_000_000}}
+    rig = {"chip": "bench-chip", "lines": {n: n for n in LINES}, "settle_ns": 40_000_000, "limits": {"step_ns": 2_000_000_000, "exchange_ns": 60_000_000_000}}
     (root / "rig.json").write_text(json.dumps(rig))
     (root / "wrong.json").write_text(json.dumps(rig | {"chip": "nowhere"}))
     (root / "missing_line.json").write_text(json.dumps(rig | {"lines": rig["lines"] | {"ready": "unready"}}))
