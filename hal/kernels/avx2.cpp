@@ -22,7 +22,7 @@ namespace {
 
 #define SPANTEX_AVX2 1
 #include "vectors/common.hpp"
-constexpr int width = SPANTEX_AVX2 ? 8 : 4;
+constexpr int width = 8;
 #include "vectors/lanes.hpp"
 #include "vectors/x86.hpp"
 #include "vectors/pixels.hpp"

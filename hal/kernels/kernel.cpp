@@ -3,6 +3,20 @@
 
 namespace spantex::kernels {
 
+void draw_by_filter(const row_kernels& kernels, const row_work& work) {
+  row_kernel draw = nullptr;
+  switch (work.kind) {
+    case filter::nearest: draw = kernels.nearest; break;
+    case filter::bilinear: draw = kernels.bilinear; break;
+    case filter::mip_bilinear: draw = kernels.mip_bilinear; break;
+    case filter::trilinear: draw = kernels.trilinear; break;
+    case filter::aniso: draw = kernels.aniso; break;
+    default: break;
+  }
+  if (draw != nullptr) return draw(work);
+  for (int k = 0; k < work.count; ++k) work.left[k] = true;
+}
+
 choice resolved(choice c) {
   if (c != choice::fastest) return c;
   for (const choice one : {choice::avx512, choice::avx2, choice::sse41, choice::neon})

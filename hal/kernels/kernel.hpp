@@ -29,6 +29,10 @@ using row_kernel = void (*)(const row_work&);
 
 enum class choice : uint8_t { fastest, scalar, words, sse41, avx2, neon, avx512 };
 
+// One machine's kernels by filter; null: every span of it is left.
+struct row_kernels { row_kernel nearest, bilinear, mip_bilinear, trilinear, aniso = nullptr; };
+void draw_by_filter(const row_kernels& kernels, const row_work& work);
+
 // Null where this machine has not what it takes.
 row_kernel avx512_kernel();  // AVX-512 F, BW, CD, DQ, VL, VBMI, VNNI
 row_kernel avx2_kernel();    // AVX2, BMI, BMI2, LZCNT

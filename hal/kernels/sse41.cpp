@@ -21,7 +21,7 @@ namespace {
 
 #define SPANTEX_AVX2 0
 #include "vectors/common.hpp"
-constexpr int width = SPANTEX_AVX2 ? 8 : 4;
+constexpr int width = 4;
 #include "vectors/lanes.hpp"
 #include "vectors/x86.hpp"
 #include "vectors/pixels.hpp"

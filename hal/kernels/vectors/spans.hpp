@@ -204,12 +204,5 @@ void draw_row(const row_work& work) {
 }
 
 void draw_any_row(const row_work& work) {
-  switch (work.kind) {
-    case filter::nearest: return draw_row<filter::nearest>(work);
-    case filter::bilinear: return draw_row<filter::bilinear>(work);
-    case filter::mip_bilinear: return draw_row<filter::mip_bilinear>(work);
-    case filter::trilinear: return draw_row<filter::trilinear>(work);
-    default: break;
-  }
-  for (int k = 0; k < work.count; ++k) work.left[k] = true;
+  draw_by_filter({draw_row<filter::nearest>, draw_row<filter::bilinear>, draw_row<filter::mip_bilinear>, draw_row<filter::trilinear>}, work);
 }
