@@ -71,6 +71,7 @@ class tester {
       const uint64_t x = random.next();
       const bool in_reset = (x >> 8) % 8 != 0, drives = (x & 8) != 0, entered = in_reset && !c.reset;
       SPANTEX_TRY(lines_.set_control({.to_host = c.to_host, .command = c.command, .reset = c.reset}));
+      if (c.reset) SPANTEX_TRY(follows({false, c.command, c.to_host}));
       SPANTEX_TRY(lines_.release_data());
       c = {in_reset && (x & 1) != 0, in_reset && (x & 2) != 0, (x & 4) != 0, in_reset};
       SPANTEX_TRY(lines_.set_control({.to_host = c.to_host, .command = c.command, .reset = c.reset}));
@@ -85,6 +86,16 @@ class tester {
       SPANTEX_TRY(observe(uint16_t(wanted), "step " + std::to_string(n) + " of the walk, " + levels_of(c), [&](uint16_t& seen) { return read_all(answers, seen); }));
     }
     return lines_.release_data();
+  }
+
+  // The device takes data while it sees the clock high, so they stay until it shows that the clock has fallen.
+  status follows(const bench::status_lines& shown) {
+    const uint64_t end = lines_.now_ns() + settle_ns_;
+    for (uint16_t seen = 0;;) {
+      SPANTEX_TRY(read_shown(seen));
+      if (seen == bits_of(shown) || lines_.now_ns() >= end) return status::ok;
+      lines_.pause(settle_ns_ / 16 + 1);
+    }
   }
 
   int all_data() const { return (1 << lines_.data_bits()) - 1; }
