@@ -4,7 +4,8 @@
 //   0         1         2        4            4 + n       8 + n     10 + n
 //   command   sequence  n u16    payload      seal u32    CRC-16
 //
-// Little-endian. The CRC-16 covers everything before it and finds what wires do: any error of up to three bits, any burst of up to 16. The seal is
+// Little-endian, but for the CRC-16: its high byte goes first, as its polynomial has it. It covers everything before it and finds what wires do, in frames below
+// 4096 bytes: any error of up to three bits, any burst of up to 16, so any damage to two bytes in a row (tests/unit/bench_frames.cpp). The seal is
 // the CRC-32 of the session's number (u32) and everything before it: what passes the CRC by chance, or belongs to another session, fails it.
 #pragma once
 #include <stdint.h>
@@ -31,10 +32,11 @@ class frame_builder {
     crc32 seal;
     seal.add_u32(session);
     for (int k = 0; k < size_; ++k) seal.add(bytes_[k]);
-    append(seal.value(), seal_bytes);
+    for (int k = 0; k < seal_bytes; ++k) bytes_[size_++] = uint8_t(seal.value() >> (8 * k));
     crc16 crc;
     for (int k = 0; k < size_; ++k) crc.add(bytes_[k]);
-    append(crc.value, crc_bytes);
+    bytes_[size_++] = uint8_t(crc.value >> 8);
+    bytes_[size_++] = uint8_t(crc.value);
   }
   constexpr void clear() { size_ = 0; }
 
@@ -42,10 +44,6 @@ class frame_builder {
   constexpr uint8_t byte(int k) const { return bytes_[k]; }
 
  private:
-  constexpr void append(uint32_t value, int count) {
-    for (int k = 0; k < count; ++k) bytes_[size_++] = uint8_t(value >> (8 * k));
-  }
-
   uint8_t bytes_[frame_overhead_bytes + MostPayload] = {};
   int size_ = 0;
 };
@@ -74,7 +72,7 @@ class frame_receiver {
     if (size_ < frame_header_bytes) return state_;
     if (payload_bytes() > MostPayload) return refuse(result::bad_length);
     if (size_ < whole_size()) return state_;
-    if (crc_.value != uint32_t(bytes_[size_ - 2] | bytes_[size_ - 1] << 8)) return refuse(result::bad_crc);
+    if (crc_.value != uint32_t(bytes_[size_ - 2] << 8 | bytes_[size_ - 1])) return refuse(result::bad_crc);
     return state_ = frame_state::complete;
   }
 

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // The smallest programs, for their size: set-up of a plane and one filter into a frame buffer, memory from the caller. -DSPANTEX_FILTER=nearest or
-// another; what a feature adds: SPANTEX_ANY_MAP (nearest without a promise about the map), SPANTEX_POLYGONS, SPANTEX_WIDE (128-bit set-up).
+// another; what a feature adds: SPANTEX_ANY_MAP (nearest without a promise about the map), SPANTEX_POLYGONS, SPANTEX_WIDE (128-bit set-up),
+// SPANTEX_FORMAT=rgb888 or another (a target of that format, with blending and clip), SPANTEX_ANY_FORMAT (chosen at run time), SPANTEX_PICTURE=rows::quad or another.
 #include <spantex/rows/draw.hpp>
+#include <spantex/rows/pictures.hpp>
 #include <spantex/rows/small_plane.hpp>
+#include <spantex/rows/targets.hpp>
 
 using namespace spantex;
 
@@ -15,6 +18,14 @@ constexpr rows::map_kind map_kind = rows::map_kind::any;
 constexpr rows::map_kind map_kind = kind == filter::nearest ? rows::map_kind::repeats_in_powers_of_two : rows::map_kind::any;
 #endif
 
+#if defined(SPANTEX_ANY_FORMAT)
+using target_type = rows::memory_target<rows::any_format>;
+#elif defined(SPANTEX_FORMAT)
+using target_type = rows::memory_target<rows::fixed_format<pixel_format::SPANTEX_FORMAT>>;
+#else
+using target_type = rows::frame565;
+#endif
+
 extern "C" {
 
 #ifdef SPANTEX_WIDE
@@ -23,7 +34,7 @@ int set_up(const homography& m, const rectangle& screen, plane& out) { return in
 int set_up(const rows::homography64& m, const rectangle& screen, plane& out) { return int(rows::make_small_plane<uses_levels(kind)>(m, screen, out)); }
 #endif
 
-int draw_plane(rows::state& state, const rows::frame565& frame, const plane& p, const texture_view& map, const rectangle& area) {
+int draw_plane(rows::state& state, const target_type& frame, const plane& p, const texture_view& map, const rectangle& area) {
   return int(rows::draw<kind, map_kind>(state, frame, p, map, area));
 }
 
@@ -31,8 +42,14 @@ int draw_plane(rows::state& state, const rows::frame565& frame, const plane& p, 
 int set_up_polygon(const vertex* corners, int count, const projection& camera, const rectangle& screen, polygon& out) {
   return int(make_polygon(corners, count, camera, screen, out));
 }
-int draw_polygon(rows::state& state, const rows::frame565& frame, const polygon& p, const texture_view& map) {
+int draw_polygon(rows::state& state, const target_type& frame, const polygon& p, const texture_view& map) {
   return int(rows::draw<kind>(state, frame, p, map));
+}
+#endif
+
+#ifdef SPANTEX_PICTURE
+int draw_picture(rows::picture_state& state, const target_type& frame, const SPANTEX_PICTURE& what, const texture_view& map) {
+  return int(rows::draw<kind>(state, frame, what, map));
 }
 #endif
 

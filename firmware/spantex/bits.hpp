@@ -2,6 +2,9 @@
 // Integer primitives below the fixed-point types: bit lengths, rounded shifts, magnitudes.
 // None can overflow on its documented domain; none has undefined behaviour.
 #pragma once
+#if __cplusplus < 201709L
+#error spantex needs C++20: compile with -std=c++20 or -std=gnu++20
+#endif
 #include <stdint.h>
 
 // Marks functions whose unsigned arithmetic is meant to wrap, for sanitizers that report it otherwise.
@@ -53,6 +56,12 @@ constexpr Int shift_right_symmetric(Int x, int shift) {
 template <class Int>
 constexpr Int scale_down(Int x, int shift, rounding mode = rounding::nearest) {
   return shift >= 0 ? shift_right(x, shift, mode) : Int(x * (Int(1) << -shift));
+}
+
+// round(x / 255) for x <= 65535 - 128, which 255 * 255 is; no halves occur, 255 is odd.
+constexpr uint32_t over_255(uint32_t x) {
+  x += 128;
+  return (x + (x >> 8)) >> 8;
 }
 
 }  // namespace spantex

@@ -29,28 +29,28 @@ constexpr uint32_t times_fraction(uint32_t a, uint32_t b) { return uint32_t((uin
 // Taylor series about 0 in nested form, 0 <= x <= pi/4 as u0.32; x^13/13! < 2^-37 and x^14/14! < 2^-41 are left out. In units of 2^-32 a step adds
 // at most 0.9 (its quotient) + 0.5 (its product) + 1 (its one) to x^2/n times the error of the step inside: 2.7 for n >= 6, 3.4 for the
 // cosine's n = 2; the sine's last product makes 3.1.
-constexpr uint32_t inverse_of(uint32_t n) { return uint32_t(((uint64_t(1) << 32) + n / 2) / n); }
+consteval uint32_t inverse_of(uint32_t n) { return uint32_t(((uint64_t(1) << 32) + n / 2) / n); }
 constexpr uint32_t one_less(uint32_t x) { return 0xFFFFFFFFu - x; }  // 1 - x, u0.32; 1 is 2^-32 short
-constexpr uint32_t series_step(uint32_t square, uint32_t n, uint32_t inner) { return one_less(times_fraction(times_fraction(square, inverse_of(n)), inner)); }
+constexpr uint32_t series_step(uint32_t square, uint32_t over_n, uint32_t inner) { return one_less(times_fraction(times_fraction(square, over_n), inner)); }
 
 constexpr uint32_t small_sine(uint32_t x) {
   const uint32_t square = times_fraction(x, x);
-  uint32_t y = series_step(square, 110, 0xFFFFFFFFu);
-  y = series_step(square, 72, y);
-  y = series_step(square, 42, y);
-  y = series_step(square, 20, y);
-  y = series_step(square, 6, y);
+  uint32_t y = series_step(square, inverse_of(110), 0xFFFFFFFFu);
+  y = series_step(square, inverse_of(72), y);
+  y = series_step(square, inverse_of(42), y);
+  y = series_step(square, inverse_of(20), y);
+  y = series_step(square, inverse_of(6), y);
   return times_fraction(x, y);
 }
 
 constexpr uint32_t small_cosine(uint32_t x) {
   const uint32_t square = times_fraction(x, x);
-  uint32_t y = series_step(square, 132, 0xFFFFFFFFu);
-  y = series_step(square, 90, y);
-  y = series_step(square, 56, y);
-  y = series_step(square, 30, y);
-  y = series_step(square, 12, y);
-  return series_step(square, 2, y);
+  uint32_t y = series_step(square, inverse_of(132), 0xFFFFFFFFu);
+  y = series_step(square, inverse_of(90), y);
+  y = series_step(square, inverse_of(56), y);
+  y = series_step(square, inverse_of(30), y);
+  y = series_step(square, inverse_of(12), y);
+  return series_step(square, inverse_of(2), y);
 }
 
 // u0.32 to s1.30 to nearest: 1 - 2^-32 becomes 1.

@@ -19,6 +19,7 @@ struct contour_style {
   uint16_t scale = 16 << 8;       // u8.8, at least 1/16: field units per texel, across the contour
   uint8_t outline = 0;            // 1/16 pixel: width of the line drawn along the contour; 0: the inside is filled
   field_unit unit = field_unit::level_0;
+  friend constexpr bool operator==(const contour_style&, const contour_style&) = default;
 };
 
 constexpr status check(const contour_style& s) {

@@ -25,6 +25,7 @@ struct screen_point { int32_t x, y; };
 struct edge {
   int64_t a, b, c;
   constexpr int64_t at(int32_t x, int32_t y) const { return a * x + b * y + c; }
+  friend constexpr bool operator==(const edge&, const edge&) = default;
 };
 
 // Edge from p to q of a polygon that runs clockwise on the screen (y down). A pixel centre exactly on the edge is inside if the
@@ -41,6 +42,7 @@ inline constexpr int max_edges = 16;
 struct edge_set {
   edge edges[max_edges];
   int count = 0;
+  friend constexpr bool operator==(const edge_set&, const edge_set&) = default;
 };
 
 constexpr int32_t centre_subpixels(int32_t pixel) { return pixel * (1 << subpixel_bits) + (1 << (subpixel_bits - 1)); }

@@ -117,13 +117,19 @@ constexpr partial_colour blended_texels(fetched f, const sample_point& s, const 
   return between_levels(fine, blend(coarse_texels(f), s.coarse.fraction), s.level_fraction, q, most_bits);
 }
 
+// All channels of a sum have one weight: in linear light colours keep fewer bits of a level than alpha does.
+constexpr partial_colour linear_sum(partial_colour c, const profile& q) {
+  const partial_colour s = summable(c, q, max_linear_sum_bits);
+  return {s.value << (max_linear_sum_bits - s.bits), max_linear_sum_bits};
+}
+
 // One channel of a sample, ready to be summed.
 template <class Prof>
 constexpr partial_colour summable_texels(const Prof& prof, fetched f, const sample_point& s, const span_coefficients& c, int channel) {
   const profile& q = prof.get();
-  if constexpr (Prof::has_linear_light) {  // one weight for all channels
-    if (decodes(prof, c, channel)) return summable(blended_texels<true>(f, s, c, q), q, max_linear_sum_bits);
-    if (decodes(prof, c, 0)) return summable(blended_texels<false>(f, s, c, q), q, max_linear_sum_bits);
+  if constexpr (Prof::has_linear_light) {
+    if (decodes(prof, c, channel)) return linear_sum(blended_texels<true>(f, s, c, q), q);
+    if (decodes(prof, c, 0)) return linear_sum(blended_texels<false>(f, s, c, q), q);
   }
   return summable(blended_texels<false>(f, s, c, q), q);
 }

@@ -180,8 +180,7 @@ constexpr footprint_shape shape_of(const Prof& prof, const span_coefficients& c,
   // Where the minor axis is magnified samples need not be closer than its texels: major - bias.
   const int32_t ratio = clamp_to(min_of(2 * length - area - log2_w, major - bias), 0, log2_16(uint64_t(q.max_samples)));
   const int32_t minor = major - ratio;  // level 0 is no mean over texels, so not too wide yet: the bias comes in over the first level
-  const int32_t sharper = c.kind == filter::aniso ? shift_right(q.sample_bias * clamp_to(minor, 0, 1 << 16), 4) : 0;
-  const int32_t detail_16 = minor + sharper + q.level_bias * (1 << 12);
+  const int32_t detail_16 = finer(minor, c.kind == filter::aniso ? q.sample_bias : 0) + q.level_bias * (1 << 12);
   const int32_t level = clamp_to(shift_right(detail_16, 16 - q.level_bits), 0, int32_t(c.last_level) << q.level_bits);
   if (c.kind == filter::squares) {
     const int whole = integer_level(c.kind, level, q.level_bits, c.last_level);

@@ -12,7 +12,41 @@
 namespace spantex {
 
 struct uncounted_reads { static constexpr bool counted = false; };
-struct counted_reads { static constexpr bool counted = true; };
+struct counted_reads {
+  static constexpr bool counted = true;
+  constexpr void touch(int) {}   // told of each level before it is read
+  uint64_t blocks_decoded = 0;   // of compressed formats, each as often as it is decoded
+};
+
+// A map that counts the blocks that it decodes.
+class counting_map {
+ public:
+  constexpr counting_map(const texture_view& map, uint64_t& blocks) : map_(map), blocks_(blocks) {}
+  constexpr operator const texture_view&() const { return map_; }
+  constexpr texel_format format() const { return map_.format(); }
+  constexpr const texture_facts& facts() const { return map_.facts(); }
+  constexpr int32_t wrapped_u(int32_t k, int level) const { return map_.wrapped_u(k, level); }
+  constexpr int32_t wrapped_v(int32_t k, int level) const { return map_.wrapped_v(k, level); }
+  constexpr rgba8 texel(int level, int32_t x, int32_t y) const {
+    blocks_ += is_compressed(map_.format());
+    return map_.texel(level, x, y);
+  }
+  // Of an uncompressed map. On a host the format is asked for once a cell, not once a texel.
+  constexpr void cell(int level, const int32_t (&x)[2], const int32_t (&y)[2], rgba8 (&out)[4]) const {
+    if (map_.format() == texel_format::rgba8888)
+      for (int k = 0; k < 4; ++k) out[k] = map_.texel(level, x[k & 1], y[k >> 1]);
+    else
+      for (int k = 0; k < 4; ++k) out[k] = map_.texel(level, x[k & 1], y[k >> 1]);
+  }
+  constexpr void decode_block(int level, int32_t bx, int32_t by, texel_block& out) const {
+    ++blocks_;
+    map_.decode_block(level, bx, by, out);
+  }
+
+ private:
+  const texture_view& map_;
+  uint64_t& blocks_;
+};
 
 namespace detail {
 
@@ -22,15 +56,16 @@ struct index_runs {
   int32_t first[2 * max_blocks], last[2 * max_blocks];
 };
 
-// The texels of an axis, or the blocks of `unit` texels that they are in.
-constexpr index_runs runs_of(const block_range& axis, int32_t unit) {
+// The texels of an axis, or the blocks of 2^unit_log2 texels that they are in.
+constexpr index_runs runs_of(const block_range& axis, int unit_log2) {
   int32_t sorted[2 * max_blocks]{};
   int n = 0;
   for (int k = 0; k < axis.count; ++k)
     for (const int32_t texel : axis.texel[k]) {
+      const int32_t index = texel >> unit_log2;
       int at = n++;
-      for (; at > 0 && sorted[at - 1] > texel / unit; --at) sorted[at] = sorted[at - 1];
-      sorted[at] = texel / unit;
+      for (; at > 0 && sorted[at - 1] > index; --at) sorted[at] = sorted[at - 1];
+      sorted[at] = index;
     }
   index_runs r;
   for (int k = 0; k < n; ++k) {
@@ -46,7 +81,8 @@ constexpr index_runs runs_of(const block_range& axis, int32_t unit) {
 template <class Prof>
 constexpr uint32_t section_reads(const Prof& prof, const texture_view& t, const section& at, const texel_box& box, bool coarse) {
   const texel_format f = t.format();
-  const int32_t unit = is_compressed(f) ? block_side : 1;
+  static_assert(block_side == 4);
+  const int unit = is_compressed(f) ? 2 : 0;
   const uint32_t unit_bits = is_compressed(f) ? 8 * block_bytes(f) : uint32_t(texel_bits(f));
   const uint32_t row_bits = 8 * row_bytes(f, t.width(at.level));
   const detail::index_runs columns = detail::runs_of(detail::columns_of(prof, t, at, box, coarse), unit);

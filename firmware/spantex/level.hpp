@@ -119,6 +119,10 @@ constexpr int32_t power_log2_w(const Prof& prof, const span_coefficients& c, int
   return power * (log2_16(w_of(prof, e)) - (prof.get().reciprocal_bits << 16));
 }
 
+// Finer by `bias` sixteenths of a level, all of it from level 1 on: a bilinear sample is wider than a texel, but level 0 is no mean yet
+// (docs/decisions/0006).
+constexpr int32_t finer(int32_t level_16, int bias) { return level_16 + shift_right(bias * clamp_to(level_16, 0, 1 << 16), 4); }
+
 // The level of detail of a pixel before bias and clamp, s.16: negative where the map is magnified.
 template <class Prof>
 constexpr int32_t unbiased_level(const Prof& prof, const span_coefficients& c, int i, int j) {
@@ -130,8 +134,7 @@ constexpr int32_t unbiased_level(const Prof& prof, const span_coefficients& c, i
 template <class Prof>
 constexpr int32_t level_at(const Prof& prof, const span_coefficients& c, int i, int j) {
   const profile& q = prof.get();
-  int32_t level = unbiased_level(prof, c, i, j);
-  level += q.level_bias * (1 << 12);
+  const int32_t level = finer(unbiased_level(prof, c, i, j), q.mip_bias) + q.level_bias * (1 << 12);
   return clamp_to(shift_right(level, 16 - q.level_bits), 0, int32_t(c.last_level) << q.level_bits);
 }
 

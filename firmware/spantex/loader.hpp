@@ -68,6 +68,7 @@ class cell_reader {
   // (x0, y0) (x1, y0) (x0, y1) (x1, y1), wrapped.
   constexpr void cell(const int32_t (&x)[2], const int32_t (&y)[2], rgba8 (&out)[4]) {
     if (!compressed_) {
+      if constexpr (requires { map_.cell(level_, x, y, out); }) return map_.cell(level_, x, y, out);
       for (int k = 0; k < 4; ++k) out[k] = map_.texel(level_, x[k & 1], y[k >> 1]);
       return;
     }
@@ -125,6 +126,28 @@ constexpr status load_section(const Prof& prof, const Map& t, const section& at,
       if (!at_edge && k + 1 < columns.count) continue;
       SPANTEX_TRY(send(first_word + (row * blocks + start) * 2, words, count));
       count = start = 0;
+    }
+  }
+  return status::ok;
+}
+
+// The same of texels as they are, for a loader that copies (format rgba8888): calls send(first texel, texels, count) -> status for each run of
+// the box's texels that lie side by side both in the map and in local memory (texel_memory.hpp).
+template <class Prof, class Send>
+constexpr status copy_section(const Prof& prof, const texture_view& t, const section& at, const texel_box& box, bool coarse, Send&& send) {
+  const profile& q = prof.get();
+  const int side = coarse ? q.coarse_side() : q.fine_side;
+  const int first_texel = coarse ? q.fine_side * q.fine_side : 0;
+  for (int32_t v = box.v0; v <= box.v1; ++v) {
+    const rgba8* const row = t.colours_of(at.level) + t.wrapped_v(v, at.level) * t.width(at.level);
+    const int to = first_texel + int(v & (side - 1)) * side;
+    for (int32_t u = box.u0; u <= box.u1;) {
+      const int32_t from = t.wrapped_u(u, at.level);
+      const int column = int(u & (side - 1));
+      int count = 1;
+      while (u + count <= box.u1 && column + count < side && t.wrapped_u(u + count, at.level) == from + count) ++count;
+      SPANTEX_TRY(send(to + column, row + from, count));
+      u += count;
     }
   }
   return status::ok;

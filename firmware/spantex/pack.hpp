@@ -108,6 +108,7 @@ class texture_pack {
     if (p.contour()) SPANTEX_TRY(p.view_.set_contour(style_of(r)));
     p.alpha_threshold_ = r.u8(23);
     p.uniform_levels_ = r.u16(24);
+    p.view_.set_facts({p.opaque(), p.uniform_levels_});
     out = p;
     return status::ok;
   }

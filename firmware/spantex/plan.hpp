@@ -321,7 +321,7 @@ constexpr int32_t reference_level(const Prof& prof, const span_coefficients& c) 
   if (uses_footprint(c.kind)) return footprint_level(prof, c);
   const int row = nearest_index(c.from_y), column = nearest_index(c.from_x);
   const int32_t term = c.level_row[row] > c.level_column[column] ? c.level_row[row] : c.level_column[column];
-  const int32_t level = shift_right(term * (1 << (16 - level_term_bits)) + q.level_bias * (1 << 12), 16 - q.level_bits);
+  const int32_t level = shift_right(finer(term * (1 << (16 - level_term_bits)), q.mip_bias) + q.level_bias * (1 << 12), 16 - q.level_bits);
   return clamp_to(level, 0, int32_t(c.last_level) << q.level_bits);
 }
 
@@ -446,6 +446,7 @@ constexpr status plan_about(const Prof& prof, const surface& s, int32_t sx, int3
       else formula_levels_of_pixel(q, *s.map, r, hx, hy, c);
       if (detail::draws_contours<Prof>(q, s.kind)) pixel_contour(*s.map, hx, hy, c);
     }
+    job.divides += detail::reciprocals_a_pixel(s.kind, c.how);
     SPANTEX_TRY(detail::emit_levels(prof, *s.texture, job, sink));
   }
   return status::ok;

@@ -22,6 +22,7 @@ inline constexpr int max_screen_px = 4096;
 struct rectangle {
   int32_t x0, y0, x1, y1;
   constexpr bool empty() const { return x0 >= x1 || y0 >= y1; }
+  friend constexpr bool operator==(const rectangle&, const rectangle&) = default;
 };
 
 // Not empty, and within the largest screen.
@@ -36,11 +37,13 @@ constexpr rectangle intersection(rectangle a, rectangle b) {
 // value(hx, hy) = c + x (hx - origin_x) + y (hy - origin_y)
 struct linear_form {
   int64_t x, y, c;
+  friend constexpr bool operator==(const linear_form&, const linear_form&) = default;
 };
 
 // The same of 128 bits.
 struct wide_form {
   wide x, y, c;
+  friend constexpr bool operator==(const wide_form&, const wide_form&) = default;
 };
 
 struct plane {
@@ -61,6 +64,7 @@ struct plane {
   constexpr int64_t u_at(int32_t hx, int32_t hy) const { return value(u, hx, hy); }
   constexpr int64_t v_at(int32_t hx, int32_t hy) const { return value(v, hx, hy); }
   constexpr int64_t w_at(int32_t hx, int32_t hy) const { return value(w, hx, hy); }
+  friend constexpr bool operator==(const plane&, const plane&) = default;
 };
 
 // Homogeneous coefficients before normalisation: u = (a x + b y + c)/(g x + h y + i), v = (d x + e y + f)/(...), x and y in

@@ -123,11 +123,44 @@ struct polygon {
   edge_set edges;
   rectangle box;       // pixels that may be covered, within the clip rectangle
   bool front_facing;   // clockwise on the screen
+  friend constexpr bool operator==(const polygon&, const polygon&) = default;
 };
 
 inline constexpr int depth_guard_bits = 16;
 
 namespace detail {
+
+// Edges, box and facing of a clipped outline. Errors: degenerate (no area, outside `clip`).
+constexpr status set_edges(const outline& clipped, rectangle clip, polygon& out) {
+  if (clipped.count < 3) return status::degenerate;
+  screen_point points[max_clipped];
+  int64_t area = 0;
+  int32_t left = INT32_MAX, top = INT32_MAX, right = INT32_MIN, bottom = INT32_MIN;
+  for (int k = 0; k < clipped.count; ++k) {
+    const homogeneous_point& p = clipped.points[k];
+    points[k] = {snapped(p.x, p.z), snapped(p.y, p.z)};
+    left = min_of(left, points[k].x);
+    right = max_of(right, points[k].x);
+    top = min_of(top, points[k].y);
+    bottom = max_of(bottom, points[k].y);
+  }
+  for (int k = 0; k < clipped.count; ++k) {
+    const screen_point &p = points[k], &q = points[k + 1 == clipped.count ? 0 : k + 1];
+    area += int64_t(p.x) * q.y - int64_t(q.x) * p.y;
+  }
+  if (area == 0) return status::degenerate;
+  const bool clockwise = area > 0;
+  out.edges.count = 0;
+  for (int k = 0; k < clipped.count; ++k) {
+    const screen_point &p = points[k], &q = points[k + 1 == clipped.count ? 0 : k + 1];
+    if (p.x == q.x && p.y == q.y) continue;
+    out.edges.edges[out.edges.count++] = clockwise ? make_edge(p, q) : make_edge(q, p);
+  }
+  out.box = intersection(clip, {left >> subpixel_bits, top >> subpixel_bits, (right >> subpixel_bits) + 1, (bottom >> subpixel_bits) + 1});
+  if (out.box.empty()) return status::degenerate;
+  out.front_facing = clockwise;
+  return status::ok;
+}
 
 // The plane's W, scaled to depth. W = 2 W' / 2^drop.
 constexpr linear_form depth_form(const plane& p, wide determinant, int drop, int32_t near_z) {
@@ -152,6 +185,23 @@ struct polygon_basis {
 constexpr status make_polygon(const vertex* vertices, int count, const projection& camera, rectangle clip, polygon& out, polygon_basis& basis);
 
 }  // namespace detail
+
+// Whether a polygon is nearer than near_z or beyond one side of the clip rectangle as a whole: make_polygon, which costs many times as much, would find that
+// it covers nothing. False for what make_polygon reports otherwise.
+constexpr bool is_outside(const vertex* vertices, int count, const projection& camera, rectangle clip) {
+  if (count < 3 || count > max_polygon_vertices || !on_screen(clip) || camera.near_z <= 0) return false;
+  bool near = true, left = true, right = true, above = true, below = true;
+  for (int k = 0; k < count; ++k) {
+    const homogeneous_point p = project(vertices[k], camera);
+    if (magnitude(p.x) >= max_homogeneous || magnitude(p.y) >= max_homogeneous) return false;
+    near = near && p.z < camera.near_z;
+    left = left && p.x < clip.x0 * p.z;
+    right = right && p.x > clip.x1 * p.z;
+    above = above && p.y < clip.y0 * p.z;
+    below = below && p.y > clip.y1 * p.z;
+  }
+  return near || left || right || above || below;
+}
 
 // Sets a convex planar polygon up: the plane through its first three vertices that span one, edges after clipping against the
 // near plane and the guard band. Errors: bad_size (3..8 vertices; clip rectangle), out_of_range (near_z <= 0; a vertex beyond
@@ -183,33 +233,7 @@ constexpr status detail::make_polygon(const vertex* vertices, int count, const p
   const vertex &a = vertices[0], &b = vertices[second], &c = vertices[second + 1];
 
   const detail::outline clipped = detail::clip_to_view(o, camera.near_z);
-  if (clipped.count < 3) return status::degenerate;
-  screen_point points[detail::max_clipped];
-  int64_t area = 0;
-  int32_t left = INT32_MAX, top = INT32_MAX, right = INT32_MIN, bottom = INT32_MIN;
-  for (int k = 0; k < clipped.count; ++k) {
-    const homogeneous_point& p = clipped.points[k];
-    points[k] = {detail::snapped(p.x, p.z), detail::snapped(p.y, p.z)};
-    left = min_of(left, points[k].x);
-    right = max_of(right, points[k].x);
-    top = min_of(top, points[k].y);
-    bottom = max_of(bottom, points[k].y);
-  }
-  for (int k = 0; k < clipped.count; ++k) {
-    const screen_point &p = points[k], &q = points[k + 1 == clipped.count ? 0 : k + 1];
-    area += int64_t(p.x) * q.y - int64_t(q.x) * p.y;
-  }
-  if (area == 0) return status::degenerate;
-  const bool clockwise = area > 0;
-  out.edges.count = 0;
-  for (int k = 0; k < clipped.count; ++k) {
-    const screen_point &p = points[k], &q = points[k + 1 == clipped.count ? 0 : k + 1];
-    if (p.x == q.x && p.y == q.y) continue;
-    out.edges.edges[out.edges.count++] = clockwise ? make_edge(p, q) : make_edge(q, p);
-  }
-  out.box = intersection(clip, {left >> subpixel_bits, top >> subpixel_bits, (right >> subpixel_bits) + 1, (bottom >> subpixel_bits) + 1});
-  if (out.box.empty()) return status::degenerate;
-  out.front_facing = clockwise;
+  SPANTEX_TRY(detail::set_edges(clipped, clip, out));
 
   // u/z = (adj . u) / det and 1/z = (adj . 1) / det: det cancels in u but for its sign.
   const bool negative = m.determinant.negative();

@@ -31,6 +31,7 @@ struct profile {
   level_scope scope = level_scope::pixel;
   level_formula formula = level_formula::jacobian;
   int level_bias = 0;                               // s3.4: added to the level of detail, in 1/16 level
+  int mip_bias = 0;                                 // s3.4: of filters with one sample a pixel, 1/16 level (-16 to 0), in full from level 1 on
   int coordinate_bits = 16;                         // fraction bits of u, v in texels of level 0 (at most 16)
   int offset_bits = 31;                             // magnitude bits of the span-relative numerators (at most 31)
   int reciprocal_bits = 30;                         // fraction bits of 1/w and of the slopes g, h (12 to 30)
@@ -40,7 +41,7 @@ struct profile {
   int blend_bits = 16;                              // fraction bits of each level's colour, kept before two are interpolated (at most 16)
   int max_samples = 16;                             // filter aniso: samples along a footprint, 1 to 16
   int sample_slack = 2;                             // the number of samples is the axes' ratio less this many 1/16, rounded up (0 to 15)
-  int sample_bias = -8;                             // s3.4: of a footprint's level, 1/16 level (-16 to 0), in full from level 1 on
+  int sample_bias = -8;                             // s3.4: the same of a footprint's samples (aniso)
   int area_side_log2 = 4;                           // filters step, hat: a footprint lies within 2^this texels a side (1 to 4)
   bool contours = true;                             // filter contour; false leaves its code out: alpha comes as from trilinear
   bool exact_set_up = true;                         // coordinates keep their bound against the caller's integers where set-up's rounding would
@@ -55,7 +56,7 @@ struct profile {
 
 constexpr bool is_valid(const profile& p) {
   return (p.fine_side == 8 || p.fine_side == 16 || p.fine_side == 32) &&
-         p.level_bias >= -128 && p.level_bias <= 127 &&
+         p.level_bias >= -128 && p.level_bias <= 127 && p.mip_bias >= -16 && p.mip_bias <= 0 &&
          p.coordinate_bits >= 4 && p.coordinate_bits <= 16 && p.offset_bits >= 12 && p.offset_bits <= 31 &&
          p.reciprocal_bits >= 12 && p.reciprocal_bits <= 30 && p.tolerance_bits >= 0 && p.tolerance_bits <= 16 &&
          p.subtexel_bits >= 1 && p.subtexel_bits <= 8 && p.level_bits >= 1 && p.level_bits <= 8 &&
@@ -77,10 +78,10 @@ inline constexpr profile compact{.fine_side = 8, .overflow = overflow_policy::co
                                  .level_bits = 6, .blend_bits = 8, .exact_set_up = false};
 
 // Quality for its cost: the longest tolerance that keeps the promise of 1/256 texel, colours of 15 bits between levels.
-inline constexpr profile standard{.fine_side = 16, .coordinate_bits = 14, .tolerance_bits = 8, .subtexel_bits = 7, .blend_bits = 7};
+inline constexpr profile standard{.fine_side = 16, .mip_bias = -8, .coordinate_bits = 14, .tolerance_bits = 8, .subtexel_bits = 7, .blend_bits = 7};
 
 // The promised accuracy everywhere.
-inline constexpr profile exact{.fine_side = 32, .sample_slack = 0};
+inline constexpr profile exact{.fine_side = 32, .mip_bias = -8, .sample_slack = 0};
 
 }  // namespace profiles
 

@@ -25,12 +25,6 @@ enum class alpha_mode : uint8_t { opaque, cut_out, blended, premultiplied };
 
 inline constexpr rgba8 white{255, 255, 255, 255};
 
-// round(x / 255) for x <= 65535 - 128, which 255 * 255 is; no halves occur, 255 is odd.
-constexpr uint32_t over_255(uint32_t x) {
-  x += 128;
-  return (x + (x >> 8)) >> 8;
-}
-
 constexpr rgba8 modulated(rgba8 t, rgba8 c) {
   const auto product = [](uint8_t a, uint8_t b) { return uint8_t(over_255(uint32_t(a) * b)); };
   return {product(t.r, c.r), product(t.g, c.g), product(t.b, c.b), product(t.a, c.a)};
@@ -58,6 +52,7 @@ struct colour_forms {
   rgba8 flat;        // if nothing varies: the colour everywhere, and no division
   int8_t up;
   bool varies = false;
+  friend constexpr bool operator==(const colour_forms&, const colour_forms&) = default;
 };
 
 namespace detail {
@@ -149,8 +144,22 @@ struct shading {
     linear_form w{}, depth{};
     int32_t origin_x = 0, origin_y = 0;
     uint32_t* depth_values = nullptr;      // cut_out: stored with the pixel
+    bool no_alpha = false;                 // of a map whose alpha is 255, drawn as if opaque
 
     constexpr bool stores_depth() const { return depth_values != nullptr; }
+
+    // Every alpha that is written will be 255: then all modes store the colour. True if that was a cut-out's, whose depth may now be stored first.
+    constexpr bool without_alpha() {
+      if (alpha == alpha_mode::opaque || colours.varies || (modulates && colours.flat.a != 255)) return false;
+      const bool cut_out = alpha == alpha_mode::cut_out;
+      alpha = alpha_mode::opaque;
+      depth_values = nullptr;
+      no_alpha = true;
+      return cut_out;
+    }
+
+    // Pixels of a smaller alpha are left out, whatever their colour: multiplied, it does not grow.
+    constexpr int left_below() const { return alpha == alpha_mode::cut_out ? threshold : alpha == alpha_mode::blended ? 1 : 0; }
 
     // Pixel (x, y), `depth_index` in the depth buffer.
     constexpr write_result write(rgba8 s, int32_t x, int32_t y, rgba8& there, int32_t depth_index) const {

@@ -22,5 +22,7 @@
 #include <spantex/polygon.hpp>
 #include <spantex/profile.hpp>
 #include <spantex/shade.hpp>
+#include <spantex/skips.hpp>
 #include <spantex/status.hpp>
 #include <spantex/texture.hpp>
+#include <spantex/version.h>

@@ -20,6 +20,13 @@ inline constexpr int max_levels = 13;
 
 constexpr int32_t level_side(int32_t side, int level) { return max_of(1, side >> level); }
 
+// What is known of a map's texels beforehand: each holds for every texel of the levels it speaks of. Unknown is false.
+struct texture_facts {
+  bool opaque = false;          // alpha is 255, on every level
+  uint16_t uniform_levels = 0;  // bit L: level L has one colour
+  constexpr bool uniform(int level) const { return ((uniform_levels >> level) & 1) != 0; }
+};
+
 class texture_view {
  public:
   constexpr texture_view() = default;
@@ -102,6 +109,9 @@ class texture_view {
   // Of a 16-bit format: the level's texels, for who samples them where they lie.
   constexpr const uint16_t __attribute__((__may_alias__))* numbers(int level) const { return levels_[level].numbers; }
 
+  // Of rgba8888: the level's texels, for loaders that copy them.
+  constexpr const rgba8* colours_of(int level) const { return levels_[level].colours; }
+
   // Of a compressed format: the block with texels (4 bx .. 4 bx + 3, 4 by .. 4 by + 3).
   constexpr void decode_block(int level, int32_t bx, int32_t by, texel_block& out) const {
     decode_(levels_[level].bytes + (by * blocks_across(width(level)) + bx) * int32_t(block_bytes(format_)), out);
@@ -117,6 +127,9 @@ class texture_view {
     contour_ = style;
     return status::ok;
   }
+
+  constexpr const texture_facts& facts() const { return facts_; }
+  constexpr void set_facts(const texture_facts& facts) { facts_ = facts; }  // of the caller's care: a fact that does not hold is drawn
 
   // What tells two maps apart, for reuse of what is loaded: the same texels, wrapped in the same way.
   struct identity {
@@ -202,6 +215,7 @@ class texture_view {
   wrap wrap_u_ = wrap::repeat, wrap_v_ = wrap::repeat;
   colour_space colours_ = colour_space::coded;
   contour_style contour_{};
+  texture_facts facts_{};
 };
 
 }  // namespace spantex

@@ -26,6 +26,11 @@ constexpr depth_range depth_range_of(const polygon& p, int32_t sx, int32_t sy) {
   return {detail::depth_of(f, dx + side - far_x, dy + side - far_y), detail::depth_of(f, dx + far_x, dy + far_y)};
 }
 
+// Whether the span is hidden by its floor alone.
+constexpr bool is_below_floor(const polygon& p, int32_t sx, int32_t sy, depth_buffer depth, int32_t frame_width) {
+  return depth.floors != nullptr && depth_range_of(p, sx, sy).most <= depth.floors[sy * ((frame_width + span_side - 1) / span_side) + sx];
+}
+
 // Of the pixels in mask, those nearer than what is stored, whose depth is stored if wanted. frame_width in pixels.
 constexpr span_mask depth_test(const polygon& p, int32_t sx, int32_t sy, span_mask mask, depth_buffer depth, int32_t frame_width, bool stores) {
   uint32_t* const floor = depth.floors == nullptr ? nullptr : &depth.floors[sy * ((frame_width + span_side - 1) / span_side) + sx];

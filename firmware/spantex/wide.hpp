@@ -18,6 +18,7 @@ struct wide {
 
   constexpr bool negative() const { return high < 0; }
   constexpr bool zero() const { return high == 0 && low == 0; }
+  friend constexpr bool operator==(const wide&, const wide&) = default;
 };
 
 SPANTEX_WRAPS constexpr wide operator+(wide a, wide b) {

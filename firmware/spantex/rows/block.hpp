@@ -54,7 +54,7 @@ constexpr int32_t reach_of(int k) { return (1 << k) - 1; }
 namespace detail {
 
 // The largest number that quotients are taken of; 0 where they would have more than 16 bits: |e| <= 1/8, reach below 96 units.
-constexpr uint64_t largest_of(const reference& r, int32_t reach, int unit_log2) {
+[[gnu::noinline]] constexpr uint64_t largest_of(const reference& r, int32_t reach, int unit_log2) {
   if (!r.u_in_range || !r.v_in_range) return 0;
   const uint64_t slope = uint64_t(reach) * (magnitude(r.g) + magnitude(r.h)), most = uint64_t(r.w) * (uint64_t(96) << unit_log2);
   const uint64_t u = magnitude(r.c_u) + uint64_t(reach) * (magnitude(r.a_u) + magnitude(r.b_u));
@@ -101,7 +101,7 @@ constexpr block_axis axis_of(int64_t c, int64_t a, int64_t b, int32_t base, cons
 }
 
 // The term of third degree, at most a X (g X)^2 units, X the reach, is replaced by its best line: a quarter of it is left.
-constexpr bool bends_little(const block& o, int32_t reach) {
+[[gnu::noinline]] constexpr bool bends_little(const block& o, int32_t reach) {
   const auto size = [](int32_t x) { return x < 0 ? -x : x; };
   const int32_t e = size(o.g) * reach >> (o.k + 1);                                    // 2^-15
   const int32_t square = e * e >> 15;
@@ -153,6 +153,12 @@ constexpr bool block_at(const plane& p, int32_t bx, int32_t by, int k, level_ter
   return detail::bends_little(o, reach);
 }
 
+// Whether no pixel of a block is in front of the viewer: W is largest at a corner.
+constexpr bool is_behind(const plane& p, int32_t bx, int32_t by, int k) {
+  const int32_t reach = reach_of(k), hx = (2 * bx + 1) * (1 << k), hy = (2 * by + 1) * (1 << k);
+  return p.w_at(hx + (p.w.x > 0 ? reach : -reach), hy + (p.w.y > 0 ? reach : -reach)) <= 0;
+}
+
 namespace detail {
 
 // 1/(1 + e) = 1 - q, four terms; e and q 2^-17, |e| <= 1/8: off by less than 2^-14.8.
@@ -165,18 +171,21 @@ constexpr int32_t series_of(int32_t e) {
 // 1 - 1/w, 2^-17; 1 - 1/w^2, 2^-16; g / w; 3/4 (g X / w)^2, 2^-15.
 struct row_terms { int32_t q, q2, g, third; };
 
-// Position at the middle of a row, and its derivative by hx, 2^-(16 + k).
-struct middle { int32_t position, slope; };
-constexpr middle middle_of(const block_axis& x, int32_t hy, const row_terms& t, int k) {
-  const int32_t n = x.c + (x.b * hy >> k), slope = x.slope + x.twist * hy;
-  return {n - ((n >> 8) * t.q >> 9), slope - ((slope >> 9) * t.q2 >> 7)};
-}
-
+// One coordinate of a row: position and derivative by hx at its middle, then where it starts and how it goes on.
 struct row_axis { int32_t start, step, bend; };
-constexpr row_axis bent(const middle& m, const row_terms& t, int k) {
-  const int32_t reach = reach_of(k), slope = m.slope >> 9;
-  const int32_t bend = shift_right(-(slope * t.g), 4 + 2 * k), half = (m.slope + (slope * t.third >> 6)) >> k;
-  return {m.position - reach * half + (reach * reach * bend >> 3), 2 * half - (reach >> 1) * bend, bend};
+template <bool Bent>
+#ifndef __OPTIMIZE_SIZE__
+[[gnu::always_inline]]
+#endif
+constexpr row_axis axis_at(const block_axis& x, int32_t hy, const row_terms& t, int k) {
+  const int32_t reach = reach_of(k), n = x.c + (x.b * hy >> k), s = x.slope + x.twist * hy;
+  const int32_t slope = s - ((s >> 9) * t.q2 >> 7);
+  const int32_t position = n - ((n >> 8) * t.q >> 9) + x.offset;
+  int32_t half = slope >> k;
+  if constexpr (!Bent) return {position - reach * half, 2 * half, 0};
+  const int32_t bend = shift_right(-((slope >> 9) * t.g), 4 + 2 * k);
+  half = (slope + ((slope >> 9) * t.third >> 6)) >> k;
+  return {position - reach * half + (reach * reach * bend >> 3), 2 * half - (reach >> 1) * bend, bend};
 }
 
 }  // namespace detail
@@ -189,18 +198,17 @@ constexpr void row_at(const block& b, int j, walk& out) {
   }
   const int k = b.k;
   const int32_t reach = reach_of(k), hy = 2 * j - reach, q = detail::series_of(b.h * hy >> (k - 1));
-  detail::row_terms t{q, q - (q * q >> 18), 0, 0};
-  const detail::middle u = detail::middle_of(b.u, hy, t, k), v = detail::middle_of(b.v, hy, t, k);
-  if (b.g == 0) {
-    const int32_t half_u = u.slope >> k, half_v = v.slope >> k;
-    out = {u.position - reach * half_u + b.u.offset, v.position - reach * half_v + b.v.offset, 2 * half_u, 2 * half_v, 0, 0};
-    return;
-  }
+  detail::row_terms t;
+  t.q = q;
+  t.q2 = q - (q * q >> 18);
+  const auto both = [&](const detail::row_axis& u, const detail::row_axis& v) { out = {u.start, v.start, u.step, v.step, u.bend, v.bend}; };
+#ifndef __OPTIMIZE_SIZE__  // what comes of the rest, sooner
+  if (b.g == 0) return both(detail::axis_at<false>(b.u, hy, t, k), detail::axis_at<false>(b.v, hy, t, k));
+#endif
   t.g = b.g - (b.g * q >> 17);
   const int32_t e = t.g * reach >> (k + 1);  // 2^-15
   t.third = 3 * (e * e >> 15) >> 2;
-  const detail::row_axis x = detail::bent(u, t, k), y = detail::bent(v, t, k);
-  out = {x.start + b.u.offset, y.start + b.v.offset, x.step, y.step, x.bend, y.bend};
+  both(detail::axis_at<true>(b.u, hy, t, k), detail::axis_at<true>(b.v, hy, t, k));
 }
 
 // Level of detail along row j, s.16: linear in the block. 2/ln 2 = 23637/8192.

@@ -2,8 +2,9 @@
 // Drawing by rows: planes and polygons from an RGB565 map in directly addressed memory to rows of RGB565. For cores without an engine beside them:
 // nothing is copied, coordinates are those of block.hpp (docs/SPEC.md "Rows"). The engine's profiles (draw.hpp) are more exact and know more.
 //
-//   target    where rows go: `texel565* row(x, y, count)` gives memory for that many pixels, `void done(x, y, count)` ends them. Rows arrive block by
-//             block; frame565 is a frame buffer, targets.hpp has others.
+//   target    where rows go: `texel565* row(x, y, count)` gives memory for that many pixels, at most 32; `void done(x, y, count)` ends them: every one has
+//             been written. Rows arrive block by block, within `width` and `height` or, where a target has it, within `rectangle area()`. frame565 is a
+//             frame buffer; targets.hpp has other formats, parts of frames, blending, displays without a frame buffer.
 //   filter    nearest, three_point, bilinear: level 0; mip_bilinear, trilinear: maps whose sides halve exactly.
 #pragma once
 #include <stdint.h>
@@ -26,6 +27,20 @@ struct frame565 {
   texel565* row(int32_t x, int32_t y, int32_t) const { return pixels + (y * stride + x); }
   void done(int32_t, int32_t, int32_t) const {}
 };
+
+// Pixels that a target takes.
+template <class Target>
+constexpr rectangle area_of(const Target& target) {
+  if constexpr (requires { target.area(); }) return target.area();
+  else return {0, 0, target.width, target.height};
+}
+
+// The screen that they are part of: what is set up for it (pictures.hpp) is the same for every part.
+template <class Target>
+constexpr rectangle screen_of(const Target& target) {
+  if constexpr (requires { target.screen(); }) return target.screen();
+  else return area_of(target);
+}
 
 constexpr bool is_supported(filter kind) {
   return kind == filter::nearest || kind == filter::three_point || kind == filter::bilinear || kind == filter::mip_bilinear || kind == filter::trilinear;
@@ -123,9 +138,9 @@ class painter {
     block& b = memory_.coordinates;
     // Inlined where code is to be least; else its frame is not to lie under the kernels'.
     if constexpr (Map == map_kind::repeats_in_powers_of_two) {
-      if (!block_at<false>(plane_, x0 >> k, y0 >> k, k, {}, b)) return false;
+      if (!block_at<false>(plane_, x0 >> k, y0 >> k, k, {}, b)) return is_behind(plane_, x0 >> k, y0 >> k, k);
     } else {
-      if (!place(x0 >> k, y0 >> k, k, b)) return false;
+      if (!place(x0 >> k, y0 >> k, k, b)) return is_behind(plane_, x0 >> k, y0 >> k, k);
     }
     const block_part part{x0, y0, int8_t(left), int8_t(right), int8_t(top), int8_t(bottom)};
     if constexpr (Map == map_kind::repeats_in_powers_of_two) draw_masked(b, part);
@@ -167,7 +182,7 @@ class painter {
     const level_view t = level_of(map_, level);
     source s{};
     detail::set_offsets(b, level, offset);
-    if (detail::source_of_block(b, t, level, kind == filter::nearest ? 0 : 1, s)) {
+    if (detail::source_of_block(b, t, level, kind == filter::nearest ? 0 : 1, memory_.at.at, s)) {
       each_row(part, [&](texel565* out, int first, int count, int j) {
         walk_from(b, j, first, level, memory_.at.at);
         run<kind>(out, count, memory_.at.at, s, memory_.between);
@@ -200,7 +215,7 @@ class painter {
     const level_view t = level_of(map_, level), next = level_of(map_, level + 1);
     source near{}, far{};
     detail::set_offsets(b, level, snap);
-    const bool inside = detail::source_of_block(b, t, level, 1, near) && detail::source_of_coarser(b, next, level, far);
+    const bool inside = detail::source_of_block(b, t, level, 1, memory_.at.at, near) && detail::source_of_coarser(b, next, level, memory_.at.at, far);
     memory_.at.base_u = detail::base_on(level, b.u.base);
     memory_.at.base_v = detail::base_on(level, b.v.base);
     each_row(part, [&](texel565* out, int first, int count, int j) {
@@ -241,14 +256,14 @@ constexpr status check(const texture_view& t, filter kind) {
   return status::ok;
 }
 
-// The part of a plane in front of the viewer inside `area`, which is cut to the target's `width` and `height`. Errors: those of check(); out_of_range for a
+// The part of a plane in front of the viewer inside `area`, which is cut to the target's. Errors: those of check(); out_of_range for a
 // map that is not what `Map` says.
 template <filter Kind, map_kind Map = map_kind::any, class Target>
 status draw(state& memory, const Target& target, const plane& p, const texture_view& t, rectangle area) {
   static_assert(Map == map_kind::any || Kind == filter::nearest, "spantex: only the nearest texel is wrapped by masks");
   SPANTEX_TRY(check(t, Kind));
   if (Map != map_kind::any && !wraps_by_mask(level_of(t, 0))) return status::out_of_range;
-  area = intersection(area, {0, 0, target.width, target.height});
+  area = intersection(area, area_of(target));
   if (area.empty()) return status::ok;
   painter<Kind, Target, detail::rectangle_cover, Map>(p, t, target, area, {}, memory).draw();
   return status::ok;
@@ -258,15 +273,15 @@ status draw(state& memory, const Target& target, const plane& p, const texture_v
 template <filter Kind, class Target>
 status draw(state& memory, const Target& target, const polygon& p, const texture_view& t) {
   SPANTEX_TRY(check(t, Kind));
-  const rectangle area = intersection(p.box, {0, 0, target.width, target.height});
+  const rectangle area = intersection(p.box, area_of(target));
   if (area.empty()) return status::ok;
   painter<Kind, Target, detail::polygon_cover>(p.map, t, target, area, {&p.edges, {}}, memory).draw();
   return status::ok;
 }
 
 // The same with the filter chosen at run time: all of them are linked.
-template <class Target, class... What>
-status draw_any(filter kind, state& memory, const Target& target, const What&... what) {
+template <class Memory, class Target, class... What>
+status draw_any(filter kind, Memory& memory, const Target& target, const What&... what) {
   switch (kind) {
     case filter::nearest: return draw<filter::nearest>(memory, target, what...);
     case filter::three_point: return draw<filter::three_point>(memory, target, what...);

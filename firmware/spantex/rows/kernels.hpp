@@ -113,6 +113,9 @@ inline void nearest_masked_run(uint16_t* out, int count, const walk& from, const
   if ((from.ddu | from.ddv) == 0) dsp::weighted_places_straight(between.words, count, from, detail::address(s), detail::to_bytes(s));
   else dsp::weighted_places(between.words, count, from, detail::address(s), detail::to_bytes(s));
   dsp::four_points(out, between.words, count, uint32_t(s.pitch_bytes));
+#elif SPANTEX_ROWS_THUMB1
+  (void)between;
+  thumb1::bilinear(out, count, from, s.origin, s.pitch_bytes);
 #else
   (void)between;
   for (walk at = from; count > 0; --count, at.step()) {
@@ -127,16 +130,28 @@ inline void nearest_masked_run(uint16_t* out, int count, const walk& from, const
 namespace detail {
 
 // Offsets of lanes are unsigned: from the corner of the run's box. False if they do not fit, or if the run is short.
-[[gnu::noinline]] inline bool vectors_take(uint16_t* out, int count, const walk& from, const source& s) {
-  const walk end = advanced(from, count - 1);
-  const int32_t more_u = int32_t(magnitude(from.ddu)) * count * count / 8, more_v = int32_t(magnitude(from.ddv)) * count * count / 8;
-  const int32_t u = ((from.u < end.u ? from.u : end.u) - more_u) >> 16, v0 = from.v < end.v ? from.v : end.v, v1 = from.v < end.v ? end.v : from.v;
-  const int32_t v = (v0 - more_v) >> 16, rows = ((v1 + more_v) >> 16) - v + 2, pitch = s.pitch_bytes / 2;
-  if (count < 5 || !mve::offsets_fit(rows, pitch)) return false;
-  walk at = from;
-  at.u -= u * (1 << 16);
-  at.v -= v * (1 << 16);
-  mve::bilinear(out, count, at, s.origin + (v * pitch + u), pitch);
+SPANTEX_WRAPS inline bool vectors_take(uint16_t* out, int count, const walk& from, const source& s, scratch& between) {
+  if (count < 5) return false;
+  const int32_t n = count - 1;
+  int32_t u = from.u + n * from.du, v0 = from.v, v1 = v0 + n * from.dv;
+  if ((from.ddu | from.ddv) != 0) {  // a parabola passes its ends by bend n^2 / 8 at most
+    u += n * (n - 1) / 2 * from.ddu;
+    v1 += n * (n - 1) / 2 * from.ddv;
+  }
+  u = min_of(u, from.u);
+  if (v0 > v1) { const int32_t other = v0; v0 = v1; v1 = other; }
+  if ((from.ddu | from.ddv) != 0) {
+    const int32_t square = count * count / 8, more = int32_t(magnitude(from.ddv)) * square;
+    u -= int32_t(magnitude(from.ddu)) * square;
+    v0 -= more;
+    v1 += more;
+  }
+  u >>= 16;
+  v0 >>= 16;
+  const int32_t rows = (v1 >> 16) - v0 + 2, pitch = s.pitch_bytes / 2;
+  if (!mve::offsets_fit(rows, pitch)) return false;
+  const walk at{from.u - (u << 16), from.v - (v0 << 16), from.du, from.dv, from.ddu, from.ddv};
+  mve::bilinear(out, count, at, s.origin + (v0 * pitch + u), pitch, between.words);
   return true;
 }
 
@@ -145,15 +160,15 @@ namespace detail {
 
 inline void bilinear_run(uint16_t* out, int count, const walk& from, const source& s, scratch& between) {
 #if SPANTEX_ROWS_MVE
-  if (detail::vectors_take(out, count, from, s)) return;
+  if (detail::vectors_take(out, count, from, s, between)) return;
 #endif
   bilinear_run_by_ones(out, count, from, s, between);
 }
 
 [[gnu::noinline]] inline void three_point_run(uint16_t* out, int count, const walk& from, const source& s, scratch& between) {
 #if SPANTEX_ROWS_DSP
-  if ((from.ddu | from.ddv) == 0) dsp::places_straight(between.words, count, from, detail::address(s), detail::to_bytes(s));
-  else dsp::places(between.words, count, from, detail::address(s), detail::to_bytes(s));
+  if ((from.ddu | from.ddv) == 0) return dsp::three_points_straight(out, count, from, detail::address(s), detail::to_bytes(s));
+  dsp::places(between.words, count, from, detail::address(s), detail::to_bytes(s));
   dsp::three_points(out, between.words, count, uint32_t(s.pitch_bytes));
 #else
   (void)between;
@@ -176,7 +191,7 @@ inline void bilinear_run(uint16_t* out, int count, const walk& from, const sourc
 #if SPANTEX_ROWS_DSP
   constexpr int most = dsp::scratch_words / 6;
   const bool straight = (at.ddu | at.ddv | level.step) == 0;
-  const dsp::two_levels levels{detail::address(fine), detail::to_bytes(fine), detail::address(coarse), detail::to_bytes(coarse), at.ddu, at.ddv, level.step};
+  dsp::two_levels levels = dsp::levels_of(detail::address(fine), detail::to_bytes(fine), detail::address(coarse), detail::to_bytes(coarse), at, level.step);
   for (; count > 0; count -= most, out += most) {
     const int n = min_of(count, most);
     if (straight) dsp::places_of_two_straight(between.words, n, at, level.start, levels);

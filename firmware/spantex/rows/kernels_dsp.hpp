@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Inner loops of kernels.hpp in the instructions of Cortex-M4, M7, M33 and M55 (DSP extension). A filter takes two loops, since its numbers do not
-// fit 14 registers at once: the first turns positions into addresses and weights, the second filters.
+// Inner loops of kernels.hpp in the instructions of Cortex-M4, M7, M33 and M55 (DSP extension). Most filters take two loops, since their numbers do
+// not fit 14 registers at once: the first turns positions into addresses and weights, the second filters.
 //
-//   instructions a pixel   nearest 8 (masked 9)   three-point 7 + 21   bilinear 13 + 21   trilinear 36 + 40; 2 to 8 less along straight rows
+//   instructions a pixel, loop included   nearest 8 (masked 9)   three-point 7 + 22   bilinear 13 + 22   trilinear 36 + 39, bent rows of nearest 2 more
+//   along straight rows                                          three-point 26       bilinear 11 + 22   trilinear 24 + 39
 //
 // Input: walks in 2^-16 texel; weights of 5 bits; sums below 2^16 (bilinear), 2^20 (trilinear): nothing overflows.
 #pragma once
@@ -146,14 +147,6 @@ inline constexpr int scratch_words = 6 * 16;  // between the two loops of a filt
                : [ddu] "r"(at.ddu), [ddv] "r"(at.ddv), [k] "r"(to_bytes), [o] "r"(origin)
                : "r4", "memory", "cc");
 }
-[[gnu::always_inline]] inline void places_straight(uint32_t* to, int count, const walk& at, uint32_t origin, uint32_t to_bytes) {
-  register int32_t u asm("r5") = at.u;
-  register int32_t v asm("r6") = at.v;
-  asm volatile(SPANTEX_4_PIXELS(SPANTEX_POSITION)
-               : [to] "+r"(to), [n] "+r"(count), [u] "+r"(u), [v] "+r"(v)
-               : [du] "r"(at.du), [dv] "r"(at.dv), [k] "r"(to_bytes), [o] "r"(origin)
-               : "r4", "memory", "cc");
-}
 #undef SPANTEX_POSITION
 #undef SPANTEX_BEND
 #undef SPANTEX_4_PIXELS
@@ -183,49 +176,82 @@ inline constexpr int scratch_words = 6 * 16;  // between the two loops of a filt
       : [mask] "r"(spread_mask), [half] "r"((1u | 1u << 11 | 1u << 21) << 4), [pitch] "r"(pitch_bytes)
       : "r4", "r5", "r6", "memory", "cc");
 }
+
+// Along straight rows one loop does all: 14 registers are enough if the end lies in memory and the second row's address is computed. Two columns of
+// code, for pixels left and right of the diagonal, so that going from one to the other is the branch that parts them; entered at the pixel that leaves a multiple of four.
+// clang-format off
+#define SPANTEX_BOTH "pkhtb %[s], %[v], %[u], asr #16\n smlad %[s], %[s], %[k], %[o]\n ubfx %[l], %[v], #11, #5\n ubfx %[h], %[u], #11, #5\n add %[y], %[s], %[k], asr #16\n" \
+                     "ldr %[x], [%[s]]\n ldr %[y], [%[y]]\n add %[u], %[u], %[du]\n add %[v], %[v], %[dv]\n cmp %[l], %[h]\n"
+#define SPANTEX_PAIR(N, NEXT) \
+  "1" N ":\n" SPANTEX_BOTH "blt 4" N "f\n 3" N ":\n pkhbt %[s], %[y], %[y], lsl #16\n" SPANTEX_TAIL("%[l]", "%[h]") NEXT
+#define SPANTEX_PAIR2(N, NEXT) \
+  "2" N ":\n" SPANTEX_BOTH "bge 3" N "b\n 4" N ":\n pkhtb %[s], %[x], %[x], asr #16\n" SPANTEX_TAIL("%[h]", "%[l]") NEXT
+#define SPANTEX_END(FIRST) "ldr %[x], %[end]\n cmp %[out], %[x]\n bne " FIRST "b\n"
+// clang-format on
+
+[[gnu::always_inline]] inline void three_points_straight(uint16_t* out, int count, const walk& at, uint32_t origin, uint32_t to_bytes) {
+  const uint16_t* const end = out + count;
+  int32_t u = at.u, v = at.v;
+  uint32_t s = uint32_t(count) & 3, x, y, h, l;
+  asm volatile(
+      "cmp %[s], #2\n beq 12f\n bhi 11f\n cmp %[s], #1\n beq 13f\n"
+      SPANTEX_PAIR("0", "") SPANTEX_PAIR("1", "") SPANTEX_PAIR("2", "") SPANTEX_PAIR("3", SPANTEX_END("10")) "b 9f\n"
+      SPANTEX_PAIR2("0", "") SPANTEX_PAIR2("1", "") SPANTEX_PAIR2("2", "") SPANTEX_PAIR2("3", SPANTEX_END("20"))
+      "9:\n"
+      : [out] "+r"(out), [u] "+r"(u), [v] "+r"(v), [s] "+r"(s), [x] "=&r"(x), [y] "=&r"(y), [h] "=&r"(h), [l] "=&r"(l)
+      : [du] "r"(at.du), [dv] "r"(at.dv), [k] "r"(to_bytes), [o] "r"(origin), [mask] "r"(spread_mask), [half] "r"((1u | 1u << 11 | 1u << 21) << 4), [end] "m"(end)
+      : "memory", "cc");
+}
+#undef SPANTEX_BOTH
+#undef SPANTEX_PAIR
+#undef SPANTEX_PAIR2
+#undef SPANTEX_END
 #undef SPANTEX_HEAD
 #undef SPANTEX_TAIL
 #undef SPANTEX_LEFT
 #undef SPANTEX_RIGHT
 #undef SPANTEX_STEP
 
-// What the first loop of trilinear keeps in memory.
+// What the first loop of trilinear keeps in memory: `fine` is read forwards, what lies before it backwards.
 struct two_levels {
-  uint32_t fine_origin, fine_to_bytes, coarse_origin, coarse_to_bytes;
+  struct level { uint32_t origin, to_bytes, columns, one; } coarse, fine;  // columns of weights are fu * columns + one: (fu : 32 - fu) times a weight
   int32_t ddu, ddv, level_step;
 };
+SPANTEX_WRAPS inline two_levels levels_of(uint32_t fine_origin, uint32_t fine_to_bytes, uint32_t coarse_origin, uint32_t coarse_to_bytes, const walk& at,
+                                          int32_t level_step) {
+  return {{coarse_origin, coarse_to_bytes, 0xFFFF, 32}, {fine_origin, fine_to_bytes, 0xFFFF, 32}, at.ddu, at.ddv, level_step};
+}
 
 // Six words a pixel: the finer level's place and weights times 16 - f, the coarser one's times f.
 inline void places_of_two(uint32_t* to, int count, walk& at, int32_t& level, const two_levels& s) {
   uint32_t w;
   asm volatile(
-      "1: ldrd r5, r6, [%[s], #0]\n"
+      "1: ldmia %[s], {r5, r6, r8, r9}\n"
       "pkhtb r4, %[v], %[u], asr #16\n"
       "smlad r4, r4, r6, r5\n"
       "ubfx r5, %[u], #11, #5\n"
+      "mla r9, r5, r8, r9\n"
       "ubfx r6, %[level], #12, #4\n"
-      "rsb %[w], r5, #32\n"
-      "rsb r6, r6, #16\n"
-      "orr %[w], %[w], r5, lsl #16\n"
       "ubfx r5, %[v], #11, #5\n"
-      "mul %[w], %[w], r6\n"
-      "mul r6, %[w], r5\n"
-      "rsb r5, r6, %[w], lsl #5\n"
+      "rsb r6, r6, #16\n"
+      "mul r9, r9, r6\n"
+      "mul r6, r9, r5\n"
+      "rsb r5, r6, r9, lsl #5\n"
       "stmia %[to]!, {r4, r5, r6}\n"
       "sub r6, %[v], #0x7C00\n"
-      "sub r5, %[u], #0x7C00\n"
+      "sub %[w], %[u], #0x7C00\n"
       "asr r4, r6, #1\n"
-      "pkhtb r4, r4, r5, asr #17\n"
+      "ldrd r8, r9, [%[s], #-16]\n"
+      "pkhtb r4, r4, %[w], asr #17\n"
       "ubfx r6, r6, #12, #5\n"
-      "ubfx r5, r5, #12, #5\n"
-      "rsb %[w], r5, #32\n"
-      "orr %[w], %[w], r5, lsl #16\n"
+      "smlad r4, r4, r9, r8\n"
+      "ubfx %[w], %[w], #12, #5\n"
+      "rsb r5, %[w], #32\n"
+      "orr %[w], r5, %[w], lsl #16\n"
       "ubfx r5, %[level], #12, #4\n"
       "mul %[w], %[w], r5\n"
       "mul r6, %[w], r6\n"
       "rsb r5, r6, %[w], lsl #5\n"
-      "ldrd r8, r9, [%[s], #8]\n"
-      "smlad r4, r4, r9, r8\n"
       "stmia %[to]!, {r4, r5, r6}\n"
       "ldrd r4, r5, [%[s], #16]\n"
       "ldr r6, [%[s], #24]\n"
@@ -237,98 +263,65 @@ inline void places_of_two(uint32_t* to, int count, walk& at, int32_t& level, con
       "subs %[n], %[n], #1\n"
       "bne 1b\n"
       : [to] "+r"(to), [n] "+r"(count), [u] "+r"(at.u), [v] "+r"(at.v), [du] "+r"(at.du), [dv] "+r"(at.dv), [level] "+r"(level), [w] "=&r"(w)
-      : [s] "r"(&s)
+      : [s] "r"(&s.fine)
       : "r4", "r5", "r6", "r8", "r9", "memory", "cc");
 }
 
-// The same where neither steps nor the level of detail change.
-inline void places_of_two_straight(uint32_t* to, int count, walk& at, int32_t level, const two_levels& s) {
-  uint32_t w;
-  const uint32_t f = uint32_t(level) >> 12 & 15;
+// The same where neither steps nor the level of detail change: the weights of the levels are in the columns.
+// clang-format off
+#define SPANTEX_PLACES "ldmia %[s], {r5, r6, r8, r9}\n pkhtb r4, %[v], %[u], asr #16\n smlad r4, r4, r6, r5\n ubfx r5, %[u], #11, #5\n mla r9, r5, r8, r9\n" \
+                       "ubfx r5, %[v], #11, #5\n mul r6, r9, r5\n rsb r5, r6, r9, lsl #5\n stmia %[to]!, {r4, r5, r6}\n" \
+                       "ldmdb %[s], {r5, r6, r8, r9}\n sub %[y], %[v], #0x7C00\n sub %[x], %[u], #0x7C00\n asr r4, %[y], #1\n pkhtb r4, r4, %[x], asr #17\n" \
+                       "smlad r4, r4, r6, r5\n ubfx %[x], %[x], #12, #5\n ubfx %[y], %[y], #12, #5\n mla r9, %[x], r8, r9\n add %[u], %[u], %[du]\n" \
+                       "mul r6, r9, %[y]\n add %[v], %[v], %[dv]\n rsb r5, r6, r9, lsl #5\n stmia %[to]!, {r4, r5, r6}\n"
+// clang-format on
+
+inline void places_of_two_straight(uint32_t* to, int count, walk& at, int32_t level, two_levels& s) {
+  uint32_t x, y;
+  const uint32_t f = uint32_t(level) >> 12 & 15, e = 16 - f;
+  s.fine.columns = 0xFFFF * e;
+  s.fine.one = 32 * e;
+  s.coarse.columns = 0xFFFF * f;
+  s.coarse.one = 32 * f;
   asm volatile(
-      "1: ldrd r5, r6, [%[s], #0]\n"
-      "pkhtb r4, %[v], %[u], asr #16\n"
-      "smlad r4, r4, r6, r5\n"
-      "ubfx r5, %[u], #11, #5\n"
-      "rsb r6, %[f], #16\n"
-      "rsb %[w], r5, #32\n"
-      "orr %[w], %[w], r5, lsl #16\n"
-      "ubfx r5, %[v], #11, #5\n"
-      "mul %[w], %[w], r6\n"
-      "mul r6, %[w], r5\n"
-      "rsb r5, r6, %[w], lsl #5\n"
-      "stmia %[to]!, {r4, r5, r6}\n"
-      "ldrd r8, r9, [%[s], #8]\n"
-      "sub r6, %[v], #0x7C00\n"
-      "sub r5, %[u], #0x7C00\n"
-      "asr r4, r6, #1\n"
-      "add %[u], %[u], %[du]\n"
-      "pkhtb r4, r4, r5, asr #17\n"
-      "add %[v], %[v], %[dv]\n"
-      "smlad r4, r4, r9, r8\n"
-      "ubfx r6, r6, #12, #5\n"
-      "ubfx r5, r5, #12, #5\n"
-      "rsb %[w], r5, #32\n"
-      "orr %[w], %[w], r5, lsl #16\n"
-      "mul %[w], %[w], %[f]\n"
-      "subs %[n], %[n], #1\n"
-      "mul r6, %[w], r6\n"
-      "rsb r5, r6, %[w], lsl #5\n"
-      "stmia %[to]!, {r4, r5, r6}\n"
-      "bne 1b\n"
-      : [to] "+r"(to), [n] "+r"(count), [u] "+r"(at.u), [v] "+r"(at.v), [w] "=&r"(w)
-      : [du] "r"(at.du), [dv] "r"(at.dv), [f] "r"(f), [s] "r"(&s)
+      "subs %[n], %[n], #2\n blt 2f\n"
+      "1:\n" SPANTEX_PLACES SPANTEX_PLACES
+      "subs %[n], %[n], #2\n bge 1b\n"
+      "2: adds %[n], %[n], #2\n beq 4f\n" SPANTEX_PLACES
+      "4:\n"
+      : [to] "+r"(to), [n] "+r"(count), [u] "+r"(at.u), [v] "+r"(at.v), [x] "=&r"(x), [y] "=&r"(y)
+      : [du] "r"(at.du), [dv] "r"(at.dv), [s] "r"(&s.fine)
       : "r4", "r5", "r6", "r8", "r9", "memory", "cc");
 }
+#undef SPANTEX_PLACES
 
+// The count of pairs left stands in the top of the mask for green, which meets only numbers that are shifted down: a register more for the half.
+// clang-format off
+#define SPANTEX_FILTER "ldmia %[from]!, {r4, r5, r6}\n ldr %[x], [r4]\n ldr %[y], [r4, %[pitch]]\n" \
+                       "and %[g], %[six], %[x], lsr #5\n and %[r], %[five], %[x], lsr #11\n and %[x], %[x], %[five]\n" \
+                       "smlad %[g], %[g], r5, %[half]\n smlad %[r], %[r], r5, %[half]\n smlad %[x], %[x], r5, %[half]\n" \
+                       "and %[t], %[six], %[y], lsr #5\n smlad %[g], %[t], r6, %[g]\n and %[t], %[five], %[y], lsr #11\n smlad %[r], %[t], r6, %[r]\n" \
+                       "and %[y], %[y], %[five]\n smlad %[x], %[y], r6, %[x]\n" \
+                       "ldmia %[from]!, {r4, r5, r6}\n ldr %[y], [r4]\n add r4, r4, %[pitch], lsr #1\n ldr r4, [r4]\n" \
+                       "and %[t], %[six], %[y], lsr #5\n smlad %[g], %[t], r5, %[g]\n and %[t], %[five], %[y], lsr #11\n smlad %[r], %[t], r5, %[r]\n" \
+                       "and %[y], %[y], %[five]\n smlad %[x], %[y], r5, %[x]\n" \
+                       "and %[t], %[six], r4, lsr #5\n smlad %[g], %[t], r6, %[g]\n and %[t], %[five], r4, lsr #11\n smlad %[r], %[t], r6, %[r]\n" \
+                       "and r4, r4, %[five]\n smlad %[x], r4, r6, %[x]\n" \
+                       "lsr %[r], %[r], #14\n lsr %[x], %[x], #14\n orr %[x], %[x], %[r], lsl #11\n lsr %[g], %[g], #14\n orr %[x], %[x], %[g], lsl #5\n strh %[x], [%[out]], #2\n"
+// clang-format on
+
+// count in 1..64
 inline void eight_points(uint16_t* out, const uint32_t* from, int count, uint32_t fine_pitch_bytes) {
-  uint32_t x, y, g, r, b;
+  uint32_t x, y, g, r, t = uint32_t(count) & 1, six = uint32_t(count - 1) >> 1 << 27 | 0x003F003F;
   asm volatile(
-      "1: ldmia %[from]!, {r4, r5, r6}\n"
-      "ldr %[x], [r4]\n"
-      "ldr %[y], [r4, %[pitch]]\n"
-      "and %[g], %[six], %[x], lsr #5\n"
-      "and %[r], %[five], %[x], lsr #11\n"
-      "and %[x], %[x], %[five]\n"
-      "smuad %[g], %[g], r5\n"
-      "smuad %[r], %[r], r5\n"
-      "smuad %[b], %[x], r5\n"
-      "and r4, %[six], %[y], lsr #5\n"
-      "smlad %[g], r4, r6, %[g]\n"
-      "and r4, %[five], %[y], lsr #11\n"
-      "smlad %[r], r4, r6, %[r]\n"
-      "and %[y], %[y], %[five]\n"
-      "smlad %[b], %[y], r6, %[b]\n"
-      "ldmia %[from]!, {r4, r5, r6}\n"
-      "ldr %[x], [r4]\n"
-      "add r4, r4, %[pitch], lsr #1\n"
-      "ldr %[y], [r4]\n"
-      "and r4, %[six], %[x], lsr #5\n"
-      "smlad %[g], r4, r5, %[g]\n"
-      "and r4, %[five], %[x], lsr #11\n"
-      "smlad %[r], r4, r5, %[r]\n"
-      "and %[x], %[x], %[five]\n"
-      "smlad %[b], %[x], r5, %[b]\n"
-      "and r4, %[six], %[y], lsr #5\n"
-      "smlad %[g], r4, r6, %[g]\n"
-      "and r4, %[five], %[y], lsr #11\n"
-      "smlad %[r], r4, r6, %[r]\n"
-      "and %[y], %[y], %[five]\n"
-      "smlad %[b], %[y], r6, %[b]\n"
-      "add %[r], %[r], #0x2000\n"
-      "add %[b], %[b], #0x2000\n"
-      "add %[g], %[g], #0x2000\n"
-      "lsr %[r], %[r], #14\n"
-      "lsr %[b], %[b], #14\n"
-      "orr %[b], %[b], %[r], lsl #11\n"
-      "lsr %[g], %[g], #14\n"
-      "orr %[b], %[b], %[g], lsl #5\n"
-      "subs %[n], %[n], #1\n"
-      "strh %[b], [%[out]], #2\n"
-      "bne 1b\n"
-      : [out] "+r"(out), [from] "+r"(from), [n] "+r"(count), [x] "=&r"(x), [y] "=&r"(y), [g] "=&r"(g), [r] "=&r"(r), [b] "=&r"(b)
-      : [five] "r"(0x001F001F), [six] "r"(0x003F003F), [pitch] "r"(fine_pitch_bytes)
+      "cmp %[t], #0\n bne 2f\n"
+      "1:\n" SPANTEX_FILTER
+      "2:\n" SPANTEX_FILTER
+      "subs %[six], %[six], #0x08000000\n bhs 1b\n"
+      : [out] "+r"(out), [from] "+r"(from), [six] "+r"(six), [t] "+r"(t), [x] "=&r"(x), [y] "=&r"(y), [g] "=&r"(g), [r] "=&r"(r)
+      : [five] "r"(0x001F001F), [half] "r"(0x2000), [pitch] "r"(fine_pitch_bytes)
       : "r4", "r5", "r6", "memory", "cc");
 }
+#undef SPANTEX_FILTER
 
 }  // namespace spantex::rows::dsp

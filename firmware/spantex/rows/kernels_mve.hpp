@@ -12,59 +12,139 @@ namespace spantex::rows::mve {
 // Whether offsets from the run's corner fit 16 bits: `rows` texel rows of `pitch` texels.
 constexpr bool offsets_fit(int32_t rows, int32_t pitch) { return rows * pitch <= 0xFFFF; }
 
-// One coordinate of pixels 0 2 4 6 and 1 3 5 7, and what eight pixels add.
-struct lanes { int32x4_t even, odd, even_step, odd_step; };
-inline lanes lanes_of(int32_t u, int32_t du, int32_t ddu) {
+// Eight pixels' positions between the two loops: whole part and 5 bits of fraction, in their order.
+struct eight { uint16_t u[8], v[8]; };
+
+inline void store(uint16_t* to, int32x4_t even, int32x4_t odd) {
+  vst1q_u16(to, vreinterpretq_u16_s16(vshrntq_n_s32(vshrnbq_n_s32(vuninitializedq_s16(), even, 11), odd, 11)));
+}
+
+// Lanes are pixels 0 2 4 6, then 1 3 5 7, a step further.
+[[gnu::always_inline]] inline void places_straight(eight* to, int count, const walk& at) {
+  const uint32x4_t i = vidupq_n_u32(0, 2);
+  uint32x4_t u = vaddq_n_u32(vmulq_n_u32(i, uint32_t(at.du)), uint32_t(at.u)), v = vaddq_n_u32(vmulq_n_u32(i, uint32_t(at.dv)), uint32_t(at.v)), x;
+  asm volatile(
+      "dlstp.16 lr, %[n]\n"
+      "1: vshrnb.i32 %q[x], %q[u], #11\n"
+      "vadd.i32 %q[u], %q[u], %[du]\n"
+      "vshrnt.i32 %q[x], %q[u], #11\n"
+      "vadd.i32 %q[u], %q[u], %[du7]\n"
+      "vstrh.16 %q[x], [%[to]], #16\n"
+      "vshrnb.i32 %q[x], %q[v], #11\n"
+      "vadd.i32 %q[v], %q[v], %[dv]\n"
+      "vshrnt.i32 %q[x], %q[v], #11\n"
+      "vadd.i32 %q[v], %q[v], %[dv7]\n"
+      "vstrh.16 %q[x], [%[to]], #16\n"
+      "letp lr, 1b\n"
+      : [to] "+r"(to), [u] "+w"(u), [v] "+w"(v), [x] "=&w"(x)
+      : [n] "r"(count), [du] "r"(at.du), [dv] "r"(at.dv), [du7] "r"(7 * at.du), [dv7] "r"(7 * at.dv)
+      : "lr", "memory", "cc");
+}
+
+// u + n du + n (n - 1)/2 ddu of one coordinate.
+inline void places_bent(uint16_t* to, int count, int32_t u, int32_t du, int32_t ddu) {
   const int32x4_t i = vreinterpretq_s32_u32(vidupq_n_u32(0, 2)), j = vaddq_n_s32(i, 1);
-  const auto at = [&](int32x4_t n) {  // u + n du + n (n - 1)/2 ddu
+  const auto at = [&](int32x4_t n) {
     const int32x4_t pairs = vshrq_n_s32(vmulq_s32(n, vsubq_n_s32(n, 1)), 1);
     return vaddq_n_s32(vaddq_s32(vmulq_n_s32(n, du), vmulq_n_s32(pairs, ddu)), u);
   };
   const auto step = [&](int32x4_t n) { return vaddq_n_s32(vmulq_n_s32(n, 8 * ddu), 8 * du + 28 * ddu); };
-  return {at(i), at(j), step(i), step(j)};
-}
-// Whole part and 5 bits of fraction of eight pixels, in their order.
-inline int16x8_t narrowed(const lanes& x) { return vshrntq_n_s32(vshrnbq_n_s32(vuninitializedq_s16(), x.even, 11), x.odd, 11); }
-inline void step(lanes& x, int32_t ddu) {
-  x.even = vaddq_s32(x.even, x.even_step);
-  x.odd = vaddq_s32(x.odd, x.odd_step);
-  if (ddu != 0) {
-    x.even_step = vaddq_n_s32(x.even_step, 64 * ddu);
-    x.odd_step = vaddq_n_s32(x.odd_step, 64 * ddu);
+  int32x4_t even = at(i), odd = at(j), even_step = step(i), odd_step = step(j);
+  for (; count > 0; count -= 8, to += 16) {
+    store(to, even, odd);
+    even = vaddq_s32(even, even_step);
+    odd = vaddq_s32(odd, odd_step);
+    even_step = vaddq_n_s32(even_step, 64 * ddu);
+    odd_step = vaddq_n_s32(odd_step, 64 * ddu);
   }
 }
 
-struct weights { uint16x8_t w00, w10, w01, w11; };
-inline uint16x8_t sum_of(uint16x8_t t00, uint16x8_t t10, uint16x8_t t01, uint16x8_t t11, const weights& w) {
-  const uint16x8_t top = vaddq_u16(vmulq_u16(t00, w.w00), vmulq_u16(t10, w.w10)), bottom = vaddq_u16(vmulq_u16(t01, w.w01), vmulq_u16(t11, w.w11));
-  return vrshrq_n_u16(vaddq_u16(top, bottom), 10);
+// Eight pixels a turn, the last turn's lanes beyond `count` left alone. Along u, then along v, a channel as 32 a + (b - a) f; green is what red and
+// blue leave of the whole texel, modulo 2^16.
+[[gnu::always_inline]] inline void four_points(uint16_t* out, eight* from, int count, const texel565* corner, int32_t pitch) {
+  const texel565* const below = corner + pitch;
+  asm volatile(
+      "dlstp.16 lr, %[n]\n"
+      "1: vldrh.u16 q0, [%[from]], #16\n"
+      "vldrh.u16 q1, [%[from]], #16\n"
+      "vshr.u16 q2, q0, #5\n"
+      "vshr.u16 q3, q1, #5\n"
+      "vmov.i16 q4, #31\n"
+      "vmla.u16 q2, q3, %[pitch]\n"  // texel
+      "vand q0, q0, q4\n"            // fu
+      "vand q1, q1, q4\n"            // fv
+      "vldrh.u16 q3, [%[t00], q2, uxtw #1]\n"
+      "vldrh.u16 q5, [%[t10], q2, uxtw #1]\n"
+      "vstrh.16 q1, [%[from], #-16]\n"
+      "vshr.u16 q1, q3, #11\n"       // red
+      "vshr.u16 q6, q5, #11\n"
+      "vsub.i16 q6, q6, q1\n"
+      "vmul.i16 q6, q6, q0\n"
+      "vmla.u16 q6, q1, %[r32]\n"
+      "vand q1, q3, q4\n"            // blue
+      "vand q7, q5, q4\n"
+      "vsub.i16 q7, q7, q1\n"
+      "vmul.i16 q7, q7, q0\n"
+      "vmla.u16 q7, q1, %[r32]\n"
+      "vsub.i16 q5, q5, q3\n"        // all, less red, less blue: 32 green
+      "vmul.i16 q5, q5, q0\n"
+      "vmla.u16 q5, q3, %[r32]\n"
+      "vmla.u16 q5, q6, %[red]\n"
+      "vsub.i16 q5, q5, q7\n"
+      "vshr.u16 q5, q5, #5\n"
+      "vldrh.u16 q1, [%[t01], q2, uxtw #1]\n"
+      "vldrh.u16 q3, [%[t11], q2, uxtw #1]\n"
+      "vshr.u16 q2, q1, #11\n"
+      "vshr.u16 q4, q3, #11\n"
+      "vsub.i16 q4, q4, q2\n"
+      "vmul.i16 q4, q4, q0\n"
+      "vmla.u16 q4, q2, %[r32]\n"
+      "vldrh.u16 q2, [%[from], #-16]\n"
+      "vsub.i16 q4, q4, q6\n"
+      "vmlas.u16 q4, q2, %[half]\n"
+      "vmla.u16 q4, q6, %[r32]\n"    // red, done
+      "vbic.i16 q1, #0xF800\n"
+      "vbic.i16 q3, #0xF800\n"
+      "vmov.i16 q6, #31\n"
+      "vand q2, q1, q6\n"
+      "vand q6, q3, q6\n"
+      "vsub.i16 q6, q6, q2\n"
+      "vmul.i16 q6, q6, q0\n"
+      "vmla.u16 q6, q2, %[r32]\n"
+      "vsub.i16 q3, q3, q1\n"
+      "vmul.i16 q3, q3, q0\n"
+      "vmla.u16 q3, q1, %[r32]\n"
+      "vldrh.u16 q2, [%[from], #-16]\n"
+      "vsub.i16 q3, q3, q6\n"
+      "vshr.u16 q3, q3, #5\n"
+      "vsub.i16 q3, q3, q5\n"
+      "vmlas.u16 q3, q2, %[half]\n"
+      "vmla.u16 q3, q5, %[r32]\n"    // green, done
+      "vsub.i16 q6, q6, q7\n"
+      "vmlas.u16 q6, q2, %[half]\n"
+      "vmla.u16 q6, q7, %[r32]\n"    // blue, done
+      "vshl.i16 q4, q4, #1\n"
+      "vshl.i16 q6, q6, #1\n"
+      "vsri.16 q4, q3, #5\n"
+      "vsri.16 q4, q6, #11\n"
+      "vstrh.16 q4, [%[out]], #16\n"
+      "letp lr, 1b\n"
+      : [out] "+r"(out), [from] "+r"(from)
+      : [n] "r"(count), [pitch] "r"(pitch), [t00] "r"(corner), [t10] "r"(corner + 1), [t01] "r"(below), [t11] "r"(below + 1), [r32] "r"(32), [half] "r"(512),
+        [red] "r"(-2048)
+      : "q0", "q1", "q2", "q3", "q4", "q5", "q6", "q7", "lr", "memory", "cc");
 }
 
-// Positions are at least 0 from `corner`.
-[[gnu::noinline]] inline void bilinear(uint16_t* out, int count, const walk& at, const texel565* corner, int32_t pitch) {
-  lanes u = lanes_of(at.u, at.du, at.ddu), v = lanes_of(at.v, at.dv, at.ddv);
-  const uint16_t* const t = reinterpret_cast<const uint16_t*>(corner);
-  for (; count > 0; count -= 8, out += 8) {
-    const mve_pred16_t inside = vctp16q(uint32_t(count));
-    const uint16x8_t pu = vreinterpretq_u16_s16(narrowed(u)), pv = vreinterpretq_u16_s16(narrowed(v));
-    const uint16x8_t at_texel = vmlaq_n_u16(vshrq_n_u16(pu, 5), vshrq_n_u16(pv, 5), uint16_t(pitch));
-    const uint16x8_t t00 = vldrhq_gather_shifted_offset_z_u16(t, at_texel, inside), t10 = vldrhq_gather_shifted_offset_z_u16(t + 1, at_texel, inside);
-    const uint16x8_t t01 = vldrhq_gather_shifted_offset_z_u16(t + pitch, at_texel, inside), t11 = vldrhq_gather_shifted_offset_z_u16(t + pitch + 1, at_texel, inside);
-    const uint16x8_t five = vdupq_n_u16(31), fu = vandq_u16(pu, five), fv = vandq_u16(pv, five);
-    weights w;
-    w.w11 = vmulq_u16(fu, fv);
-    const uint16x8_t columns = vshlq_n_u16(fu, 5);
-    w.w10 = vsubq_u16(columns, w.w11);
-    w.w01 = vsubq_u16(vshlq_n_u16(fv, 5), w.w11);
-    w.w00 = vsubq_u16(vsubq_u16(vdupq_n_u16(1024), columns), w.w01);
-    const auto green = [](uint16x8_t x) { return vshrq_n_u16(vshlq_n_u16(x, 5), 10); };
-    const uint16x8_t b = sum_of(vandq_u16(t00, five), vandq_u16(t10, five), vandq_u16(t01, five), vandq_u16(t11, five), w);
-    const uint16x8_t g = sum_of(green(t00), green(t10), green(t01), green(t11), w);
-    const uint16x8_t r = sum_of(vshrq_n_u16(t00, 11), vshrq_n_u16(t10, 11), vshrq_n_u16(t01, 11), vshrq_n_u16(t11, 11), w);
-    vstrhq_p_u16(out, vsliq_n_u16(vsliq_n_u16(b, g, 5), r, 11), inside);
-    step(u, at.ddu);
-    step(v, at.ddv);
+// Positions are at least 0 from `corner`. One function: the vector registers of the caller are saved once.
+[[gnu::noinline]] inline void bilinear(uint16_t* out, int count, const walk& at, const texel565* corner, int32_t pitch, uint32_t* between) {
+  eight* const places = reinterpret_cast<eight*>(between);
+  if ((at.ddu | at.ddv) == 0) {
+    places_straight(places, count, at);
+  } else {
+    places_bent(places->u, count, at.u, at.du, at.ddu);
+    places_bent(places->v, count, at.v, at.dv, at.ddv);
   }
+  four_points(out, places, count, corner, pitch);
 }
 
 }  // namespace spantex::rows::mve

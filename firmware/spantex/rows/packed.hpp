@@ -5,11 +5,14 @@
 
 #include <spantex/bits.hpp>
 
-// At -O0 a frame pointer takes a register that the loops need.
-#if defined(__ARM_FEATURE_DSP) && __ARM_FEATURE_DSP && defined(__ARMEL__) && defined(__thumb2__) && defined(__OPTIMIZE__)
+// At -O0 a frame pointer takes a register that the loops need; with MVE gcc 12 finds too few at -Os (and at -O3 and -Og in places, which no macro
+// tells: there -DSPANTEX_ROWS_DSP=0, the plain loops, the same pixels).
+#ifndef SPANTEX_ROWS_DSP
+#if defined(__ARM_FEATURE_DSP) && __ARM_FEATURE_DSP && defined(__ARMEL__) && defined(__thumb2__) && defined(__OPTIMIZE__) && !(defined(__ARM_FEATURE_MVE) && defined(__OPTIMIZE_SIZE__))
 #define SPANTEX_ROWS_DSP 1
 #else
 #define SPANTEX_ROWS_DSP 0
+#endif
 #endif
 
 #if SPANTEX_ROWS_DSP && defined(__ARM_FEATURE_MVE) && __ARM_FEATURE_MVE

@@ -84,11 +84,23 @@ constexpr int until_border(int32_t position, int32_t step, borders b, int count)
   const int32_t n = step > 0 ? (b.end - 1 - position) / step : (position - b.first) / -step;
   return n < count ? n + 1 : count;
 }
-constexpr int until_border(const walk& w, borders u, borders v, int count) {
-  int n = until_border(w.v, w.dv, v, until_border(w.u, w.du, u, count));
-  if ((w.ddu | w.ddv) != 0)
-    while (n > 1 && !(lies_in(reach_along(w.u, w.du, w.ddu, n), u) && lies_in(reach_along(w.v, w.dv, w.ddv, n), v))) n -= 1 + n / 8;
+[[gnu::noinline]] constexpr int bent_until_border(const walk& w, const borders& u, const borders& v, int n) {
+  while (n > 1 && !(lies_in(reach_along(w.u, w.du, w.ddu, n), u) && lies_in(reach_along(w.v, w.dv, w.ddv, n), v))) n -= 1 + n / 8;
   return n;
+}
+constexpr int until_border(const walk& w, const borders& u, const borders& v, int count) {
+  const int n = until_border(w.v, w.dv, v, until_border(w.u, w.du, u, count));
+  return (w.ddu | w.ddv) != 0 ? bent_until_border(w, u, v, n) : n;
+}
+
+// To the pixel n further on.
+SPANTEX_WRAPS constexpr void go_on(walk& w, int n) {
+  if ((w.ddu | w.ddv) != 0) {
+    w = advanced(w, n);
+    return;
+  }
+  w.u += n * w.du;
+  w.v += n * w.dv;
 }
 
 // The copy of a level that holds a pair of positions.
@@ -141,7 +153,7 @@ inline void run(uint16_t* out, int count, const walk& at, const source& s, scrat
 template <filter Kind>
 [[gnu::noinline]] inline void draw_level(uint16_t* out, int count, const level_view& t, level_walk w, scratch& between) {
   while (count > 0) {
-    detail::copy c{};
+    detail::copy c;
     int n = 0;
     if (detail::copy_of(t, w.at.u, w.at.v, w.base_u, w.base_v, Kind == filter::nearest ? 0 : 1, c)) n = detail::until_border(w.at, c.u, c.v, count);
     if (n > 0) run<Kind>(out, n, w.at, c.s, between);
@@ -149,7 +161,7 @@ template <filter Kind>
     n = max_of(n, 1);
     out += n;
     count -= n;
-    if (count > 0) w.at = advanced(w.at, n);
+    if (count > 0) detail::go_on(w.at, n);
   }
 }
 
@@ -169,7 +181,7 @@ inline uint16_t pixel_between(const level_view& fine, const level_view& coarse, 
 [[gnu::noinline]] inline void draw_between(uint16_t* out, int count, const level_view& fine, const level_view& coarse, level_walk w, level_run level,
                                            scratch& between) {
   while (count > 0) {
-    detail::copy near{}, far{};
+    detail::copy near, far;
     int n = 0;
     if (detail::copy_of(fine, w.at.u, w.at.v, w.base_u, w.base_v, 1, near) &&
         detail::copy_of(coarse, detail::coarser(w.at.u), detail::coarser(w.at.v), w.base_u >> 1, w.base_v >> 1, 1, far))
@@ -180,7 +192,7 @@ inline uint16_t pixel_between(const level_view& fine, const level_view& coarse, 
     out += n;
     count -= n;
     if (count > 0) {
-      w.at = advanced(w.at, n);
+      detail::go_on(w.at, n);
       level.start += n * level.step;
     }
   }
@@ -202,33 +214,34 @@ constexpr interval levels_of(const block& b, int32_t rounding, int last_level) {
   return {whole(x.low), whole(x.high)};
 }
 
-// Positions of all pixels of a block on a level: the hull of its corners, and an eighth of a unit for what rows leave out.
+// Positions of all pixels of a block on a level: the hull of its corners, and an eighth of a unit for what rows leave out. `w`: memory for a row.
 struct box { interval u, v; };
-constexpr interval hull(int32_t a, int32_t b, int32_t c, int32_t d, int32_t margin) {
-  const int32_t low = a < b ? a : b, high = a < b ? b : a, low2 = c < d ? c : d, high2 = c < d ? d : c;
-  return {(low < low2 ? low : low2) - margin, (high > high2 ? high : high2) + margin};
+constexpr void widen(interval& x, int32_t a, int32_t b) {
+  x.low = min_of(x.low, min_of(a, b));
+  x.high = max_of(x.high, max_of(a, b));
 }
-inline box box_of_block(const block& b, int level) {
-  const int last = (1 << b.k) - 1, down = level - b.unit_log2;
-  walk top, bottom;
-  row_at(b, 0, top);
-  row_at(b, last, bottom);
-  if (down != 0) {
-    top = scaled(top, down);
-    bottom = scaled(bottom, down);
+[[gnu::always_inline]] inline void box_of_block(const block& b, int level, walk& w, box& out) {
+  const int n = (1 << b.k) - 1, down = level - b.unit_log2, pairs = n * (n - 1) / 2;
+  out = {{INT32_MAX, INT32_MIN}, {INT32_MAX, INT32_MIN}};
+  for (int end = 0; end < 2; ++end) {
+    row_at(b, end * n, w);
+    if (down != 0) w = scaled(w, down);
+    widen(out.u, w.u, w.u + n * w.du + pairs * w.ddu);
+    widen(out.v, w.v, w.v + n * w.dv + pairs * w.ddv);
   }
-  const walk right = advanced(top, last), far = advanced(bottom, last);
   const int32_t margin = scale_down(1 << 13, down) + 64;
-  return {hull(top.u, right.u, bottom.u, far.u, margin), hull(top.v, right.v, bottom.v, far.v, margin)};
+  out = {{out.u.low - margin, out.u.high + margin}, {out.v.low - margin, out.v.high + margin}};
 }
 
-[[gnu::noinline]] inline bool source_of_block(const block& b, const level_view& t, int level, int neighbour, source& out) {
-  const box x = box_of_block(b, level);
+[[gnu::noinline]] inline bool source_of_block(const block& b, const level_view& t, int level, int neighbour, walk& w, source& out) {
+  box x;
+  box_of_block(b, level, w, x);
   return source_of(t, x.u, x.v, base_on(level, b.u.base), base_on(level, b.v.base), neighbour, out);
 }
 // Likewise for the level after `level`.
-inline bool source_of_coarser(const block& b, const level_view& t, int level, source& out) {
-  const box x = box_of_block(b, level);
+[[gnu::noinline]] inline bool source_of_coarser(const block& b, const level_view& t, int level, walk& w, source& out) {
+  box x;
+  box_of_block(b, level, w, x);
   return source_of(t, {coarser(x.u.low), coarser(x.u.high)}, {coarser(x.v.low), coarser(x.v.high)}, b.u.base >> (level + 1), b.v.base >> (level + 1), 1, out);
 }
 
