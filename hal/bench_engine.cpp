@@ -40,16 +40,17 @@ status bench_engine::exchange(bench_command what, Fill fill) {
 
 // --- sessions ------------------------------------------------------------------------------------------
 
+// Other versions and libraries may say more, less or other things after the bytes of coefficients: check() tells which.
 status bench_engine::identify(bench::identity& out) {
   SPANTEX_TRY(exchange(bench_command::identify, [](auto&) {}));
   bench::field_reader in = link_.fields();
+  out = {.magic = 0, .version = 0};
   archive(in, out);
-  if (link_.code() != result::ok || !in.good() || out.magic != bench::identity_magic)
-    return link_.gave_up(bench_exit::not_a_device, status::mismatch);
+  whole_identity_ = in.at_end();
+  if (link_.code() != result::ok || out.magic != bench::identity_magic) return link_.gave_up(bench_exit::not_a_device, status::mismatch);
   return status::ok;
 }
 
-// Later versions may say more or other things after the version.
 status bench_engine::check(const bench::identity& d) {
   const auto differs = [&](bench_exit why, const std::string& what, int theirs, int ours) {
     return link_.gave_up(why, status::mismatch, what + " " + std::to_string(theirs) + ", expected " + std::to_string(ours));
@@ -57,6 +58,7 @@ status bench_engine::check(const bench::identity& d) {
   if (d.version != bench::protocol_version) return differs(bench_exit::other_version, "protocol version", d.version, bench::protocol_version);
   if (d.coefficient_bytes != bench::coefficient_bytes)
     return differs(bench_exit::other_version, "bytes of coefficients", d.coefficient_bytes, bench::coefficient_bytes);
+  if (!whole_identity_) return link_.gave_up(bench_exit::other_version, status::mismatch, "its profile has other fields");
   status s = status::ok;
   int n = 0;
   detail::for_each_field(wanted_, [&](const char* name, int value) {
@@ -146,7 +148,8 @@ template <class Fill>
 status bench_engine::command(half h, bench_command what, Fill fill) {
   const bench_limits& limits = link_.limits();
   const uint64_t begun = link_.lines().now_ns();
-  uint64_t back_off_ns = limits.back_off_ns;
+  constexpr uint64_t longest_back_off_ns = 500'000'000;
+  uint64_t back_off_ns = std::min(limits.back_off_ns, longest_back_off_ns);
   for (int k = 0;; ++k) {
     status s = connected_ ? status::ok : open_session();
     if (s == status::ok && dirty_[int(h)]) {
@@ -160,7 +163,7 @@ status bench_engine::command(half h, bench_command what, Fill fill) {
     if (s == status::mismatch || link_.lines().interrupted() || (k >= limits.recoveries && !wait_longer)) return lost(h, s);
     ++link_.counters().recoveries;
     link_.lines().pause(back_off_ns);
-    back_off_ns = std::min<uint64_t>(2 * back_off_ns, 500'000'000);
+    back_off_ns = std::min(2 * back_off_ns, longest_back_off_ns);
   }
 }
 

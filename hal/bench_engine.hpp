@@ -88,7 +88,7 @@ class bench_engine {
   profile wanted_;
   int word_count_, burst_words_ = 0;
   uint32_t session_ = 0, next_session_;
-  bool connected_ = false;
+  bool connected_ = false, whole_identity_ = false;
   memory memory_[half_count];
   bool unreported_[half_count] = {};  // emptied by another half's failure
   bool dirty_[half_count] = {};       // to be aborted on the device before it is used again

@@ -215,8 +215,9 @@ status bench_link::exchange(command what, uint32_t session, int payload_bytes) {
   uint64_t back_off_ns = limits_.back_off_ns;
   for (int k = 0; k < limits_.attempts; ++k) {
     if (k > 0) {
-      lines_.pause(back_off_ns);
-      back_off_ns *= 2;
+      const uint64_t left_ns = deadline_ns_ - lines_.now_ns();  // more than 0, below
+      lines_.pause(std::min(back_off_ns, left_ns));
+      back_off_ns = std::min(2 * back_off_ns, limits_.exchange_ns);
     }
     s = attempt(uint8_t(what), session);
     if (s == status::ok) return set({});

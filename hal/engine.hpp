@@ -14,6 +14,10 @@
 //   take               half_not_started if not started; otherwise waits and delivers the pixels of the mask given to start;
 //                      texels stay loaded, coefficients are used up
 //   mark               a note for traces; never fails, changes nothing
+// A backend whose loader fetches texels by itself has one operation more, which fetching_engine names:
+//   load_texels        `count` texels of a row of the map, as they lie in global memory, for texel `first` of the half (texel_memory.hpp) and
+//                      those behind it; half_busy and bad_address as load_words. They are fetched after start, and lie where they are until take
+//
 // A backend with hardware or wires behind it may also report device_error and device_timeout; the half is then empty.
 #pragma once
 #include <stdint.h>
@@ -27,10 +31,10 @@ enum class half : uint8_t { first, second };
 inline constexpr int half_count = 2;
 constexpr half other(half h) { return h == half::first ? half::second : half::first; }
 
-enum class event_kind : uint8_t { span, frame_end, map_upload };
+enum class event_kind : uint8_t { span, frame_end, map_upload, write };
 struct event {
   event_kind kind;
-  uint32_t value;  // span: y << 16 | x; map_upload: 64-bit words into global texture memory
+  uint32_t value;  // span: y << 16 | x; map_upload: 64-bit words into global texture memory; write: pixels that the draw layer writes without an engine
 };
 
 template <class T, class U> inline constexpr bool same_type = false;
@@ -45,6 +49,11 @@ concept span_engine = requires(E& e, half h, const span_coefficients& c, const u
   { e.start(h, mask) } -> is_exactly<status>;
   { e.take(h, out) } -> is_exactly<status>;
   { e.mark(what) } -> is_exactly<void>;
+};
+
+template <class E>
+concept fetching_engine = span_engine<E> && requires(E& e, half h, const rgba8* texels, int n) {
+  { e.load_texels(h, n, texels, n) } -> is_exactly<status>;
 };
 
 // The life of one half, the same in every backend that owns its state.

@@ -17,6 +17,7 @@ namespace {
 
 constexpr char consumer[] = "spantex-bench";
 constexpr int most_lines = 8;
+constexpr uint64_t longest_wait_ns = 100'000'000;
 
 uint64_t monotonic_ns() {
   timespec t{};
@@ -241,11 +242,16 @@ gpiod_lines::~gpiod_lines() { release_lines = nullptr; }
 bool gpiod_lines::available() { return true; }
 
 void gpiod_lines::catch_signals() {
-  struct sigaction stop{}, die{};
+  struct sigaction stop{}, die{}, as_before{};
   stop.sa_handler = note_signal;  // without SA_RESTART: what waits wakes up
-  for (int s : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGPIPE}) sigaction(s, &stop, nullptr);
+  for (int s = 1; s <= SIGRTMAX; ++s) {
+    struct sigaction now{};
+    if (sigaction(s, nullptr, &now) == 0 && now.sa_handler != SIG_IGN) sigaction(s, &stop, nullptr);  // nohup; SIGKILL, SIGSTOP and the C library's own refuse
+  }
+  as_before.sa_handler = SIG_DFL;
+  for (int s : {SIGCHLD, SIGCONT, SIGTSTP, SIGTTIN, SIGTTOU, SIGURG, SIGWINCH}) sigaction(s, &as_before, nullptr);  // these end no process
   die.sa_handler = release_and_die;
-  for (int s : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT}) sigaction(s, &die, nullptr);
+  for (int s : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGSYS, SIGTRAP}) sigaction(s, &die, nullptr);
 }
 
 bool gpiod_lines::interrupted() const { return stopped_by != 0; }
@@ -254,9 +260,9 @@ status gpiod_lines::failed(const std::string& what, int error) {
   const char* meaning = "";
   switch (error) {
     case EACCES: case EPERM: meaning = "no permission, is the user in the group of the chip's device file? "; break;
-    case ENODEV: case ENXIO: meaning = "the chip is gone, "; break;
-    case ENOTTY: case EINVAL: case EOPNOTSUPP: meaning = "the kernel or the chip does not know this request, "; break;
-    case ENOENT: meaning = what.empty() ? "no such chip, or none that this user may open, " : ""; break;
+    case ENODEV: case ENXIO: meaning = "the chip is gone "; break;
+    case ENOTTY: case EINVAL: case EOPNOTSUPP: meaning = "the kernel or the chip does not know this request "; break;
+    case ENOENT: meaning = what.empty() ? "no such chip, or none that this user may open " : ""; break;
     default: break;
   }
   trouble_ = rig_.chip + (what.empty() ? "" : ", " + what) + ": " + meaning + "(" + strerror(error) + ")";
@@ -368,14 +374,18 @@ status gpiod_lines::read_status(bench::status_lines& lines) {
 // A signal may come just before the wait: no wait is longer than a tenth of a second.
 status gpiod_lines::wait_edge(uint64_t limit_ns) {
   SPANTEX_TRY(may_go_on());
-  const int r = gpio::wait(chip_->shown, std::min<uint64_t>(limit_ns, 100'000'000));
+  const int r = gpio::wait(chip_->shown, std::min(limit_ns, longest_wait_ns));
   if (r > 0 || (r < 0 && errno == EINTR)) return may_go_on();
   return r == 0 ? status::device_timeout : failed("lines ready to error, events", errno);
 }
 
+// A signal ends it early; one that comes just before a sleep, a tenth of a second later.
 void gpiod_lines::pause(uint64_t ns) {
-  const timespec t = to_timespec(ns);
-  nanosleep(&t, nullptr);  // a signal ends it early
+  const uint64_t begun = monotonic_ns();
+  for (uint64_t gone = 0; gone < ns && !interrupted(); gone = monotonic_ns() - begun) {
+    const timespec t = to_timespec(std::min(ns - gone, longest_wait_ns));
+    nanosleep(&t, nullptr);
+  }
 }
 
 uint64_t gpiod_lines::now_ns() { return monotonic_ns(); }

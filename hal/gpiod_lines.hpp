@@ -33,7 +33,7 @@ class gpiod_lines final : public bench_lines {
 
   // Errors: device_error, with trouble(): no such chip or line, no permission, a line in use, a kernel or a build without what is needed.
   status open();
-  // SIGINT, SIGTERM, SIGHUP, SIGQUIT and SIGPIPE stop the bench; fatal signals release the lines of the last one opened.
+  // Signals that would end the process stop the bench; faults (SIGSEGV, SIGABRT, ...) release the lines of the last one opened, then end it.
   static void catch_signals();
   static bool available();  // built with libgpiod
 

@@ -186,7 +186,7 @@ inline void read_operation(byte_reader& in, recording& log) {
     case operation::start: in(op.mask); break;
     case operation::take: read_pixels(in, log, op); break;
     case operation::mark:
-      in.one_of(op.note.kind, event_kind::map_upload);
+      in.one_of(op.note.kind, event_kind::write);
       in(op.note.value);
       break;
   }

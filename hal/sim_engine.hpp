@@ -86,6 +86,10 @@ class sim_engine {
   }
 
   void mark(event what) {
+    if (what.kind == event_kind::write) {
+      delay(sim::cycle(what.value) * sim::cycle(table_.host_write_cycles));
+      counters_.total_cycles = sim::later(counters_.total_cycles, host_time_);
+    }
     if (sink_ != nullptr) sink_->mark(host_time_, what);
   }
 
@@ -117,7 +121,7 @@ class sim_engine {
     one_half& x = halves_[int(h)];
     x.loaded_at = time.end;
     x.bursts.push_back(time);
-    guard_.loads(h, what, time);
+    (void)guard_.loads(h, what, time);  // refusals are recorded
     counters_.load_cycles += time.length();
     counters_.hidden_load_cycles += sim::overlap_cycles(time, halves_[int(other(h))].issue);
     counters_.total_cycles = sim::later(counters_.total_cycles, time.end);
@@ -131,7 +135,7 @@ class sim_engine {
     const sim::interval issue = coordinates_.issue(sim::later(host_time_, x.loaded_at), samples, held_cycles);
     const sim::cycle end = issue.end + coordinates_.fill_cycles() + filters_.fill_cycles();
     if (counters_.jobs != 0 && issue.begin > idle_since) stalled({idle_since, issue.begin});
-    guard_.computes(h, {issue.begin, end});
+    (void)guard_.computes(h, operation::start, {issue.begin, end});
     x.issue = issue;
     // Bursts of the other half that were requested before this start and still stream.
     for (const sim::interval& burst : halves_[int(other(h))].bursts)

@@ -61,6 +61,13 @@ status draw_plane(row_kernel kernel, const planar_map& texels, Renderer& scalar,
     out.to = count;
     counts.jobs += uint64_t(count);
     counts.pixels += uint64_t(r.x1 - r.x0) * uint64_t(y1 - y0);
+    for (int k = 0; k < count; ++k) {
+      if (!scalar.keeps(first + k, sy)) continue;
+      --counts.spans_total;
+      --counts.jobs;
+      counts.pixels -= uint64_t(__builtin_popcountll(out.mask[k]));
+      out.mask[k] = 0;
+    }
   };
   return detail::draw_rows(kernel, texels, scalar, surface{&p, &t, kind}, area, frame, counts, cover, how...);
 }
@@ -74,6 +81,11 @@ status draw_polygon(row_kernel kernel, const planar_map& texels, Renderer& scala
     out.to = 0;
     for (int k = 0; k < count; ++k) {
       span_mask& mask = out.mask[k];
+      if (scalar.keeps(first + k, sy)) {
+        --counts.spans_total;
+        mask = 0;
+        continue;
+      }
       mask = coverage(p.edges, first + k, sy);
       if (mask != 0) mask &= rectangle_mask(r, first + k, sy);
       if (mask == 0) { ++counts.spans_empty; continue; }

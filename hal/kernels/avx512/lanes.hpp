@@ -4,7 +4,7 @@
 
 constexpr profile q = profiles::standard;
 static_assert(q.offset_bits == 31 && q.reciprocal_bits == 30 && q.subtexel_bits == 7 && q.level_bits == 8 && q.blend_bits == 7 && q.fine_side == 16 &&
-              q.coordinate_bits <= 16 && q.level_bias == 0 && q.formula == level_formula::jacobian && q.scope == level_scope::pixel &&
+              q.coordinate_bits <= 16 && q.level_bias == 0 && q.mip_bias == -8 && q.formula == level_formula::jacobian && q.scope == level_scope::pixel &&
               q.overflow == overflow_policy::split && q.position_rounding == rounding::nearest && q.exact_set_up && q.colour_rounding == rounding::even,
               "the kernel is written for these");
 static_assert(max_extent_log2 == 12 && reach == 7 && reciprocal_seed_bits == 7);

@@ -49,8 +49,8 @@ SPANTEX_INLINE v16 lengths16(v8 row_u, v8 row_v, v8 column_u, v8 column_v, int e
 SPANTEX_INLINE void levels_of(const row_work& work, const batch& b, int k, const offsets& o, v16 (&level)[quads]) {
   const v8 half = _mm512_setr_epi64(-7, -5, -3, -1, 1, 3, 5, 7);
   const v8 along_u = _mm512_mullo_epi64(set(b.twist_u[k]), half), along_v = _mm512_mullo_epi64(set(b.twist_v[k]), half);
-  const v16 both = _mm512_add_epi32(lengths16(_mm512_add_epi64(set(b.u_x[k]), along_u), _mm512_add_epi64(set(b.v_x[k]), along_v), _mm512_sub_epi64(set(b.u_y[k]), along_u),
-                                              _mm512_sub_epi64(set(b.v_y[k]), along_v), b.exponent[k]), set32(128));
+  const v16 both = lengths16(_mm512_add_epi64(set(b.u_x[k]), along_u), _mm512_add_epi64(set(b.v_x[k]), along_v), _mm512_sub_epi64(set(b.u_y[k]), along_u),
+                             _mm512_sub_epi64(set(b.v_y[k]), along_v), b.exponent[k]);
   const v16 row = _mm512_setr_epi32(0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3), column = _mm512_setr_epi32(8, 9, 10, 11, 8, 9, 10, 11, 8, 9, 10, 11, 8, 9, 10, 11);
   const v16 top = _mm512_permutexvar_epi32(row, both), bottom = _mm512_permutexvar_epi32(_mm512_add_epi32(row, set32(4)), both);
   const v16 left = _mm512_permutexvar_epi32(column, both), right = _mm512_permutexvar_epi32(_mm512_add_epi32(column, set32(4)), both);
@@ -67,6 +67,8 @@ SPANTEX_INLINE void levels_of(const row_work& work, const batch& b, int k, const
     } else {
       log_w = _mm512_slli_epi32(_mm512_sub_epi32(log2_of(_mm512_add_epi32(o.e[n], set32(1 << 30))), set32(30 << 16)), 1);
     }
-    level[n] = _mm512_max_epi32(_mm512_min_epi32(_mm512_srai_epi32(_mm512_sub_epi32(terms[n], log_w), 8), most), _mm512_setzero_si512());
+    const v16 all = _mm512_sub_epi32(terms[n], log_w), within = _mm512_min_epi32(_mm512_max_epi32(all, _mm512_setzero_si512()), set32(1 << 16));
+    const v16 detail = _mm512_sub_epi32(_mm512_add_epi32(all, set32(128)), _mm512_srli_epi32(within, 1));  // finer() with a bias of -8
+    level[n] = _mm512_max_epi32(_mm512_min_epi32(_mm512_srai_epi32(detail, 8), most), _mm512_setzero_si512());
   }
 }

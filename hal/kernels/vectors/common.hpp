@@ -8,7 +8,7 @@
 constexpr profile q = profiles::standard;
 using prof = fixed_profile<q>;
 static_assert(q.offset_bits == 31 && q.reciprocal_bits == 30 && q.subtexel_bits == 7 && q.level_bits == 8 && q.blend_bits == 7 && q.coordinate_bits == 14 &&
-              q.level_bias == 0 && q.formula == level_formula::jacobian && q.scope == level_scope::pixel && q.overflow == overflow_policy::split &&
+              q.level_bias == 0 && q.mip_bias == -8 && q.formula == level_formula::jacobian && q.scope == level_scope::pixel && q.overflow == overflow_policy::split &&
               q.position_rounding == rounding::nearest && q.exact_set_up && q.colour_rounding == rounding::even, "the kernels are written for these");
 
 constexpr int32_t largest_base = 32767 - 4098;  // no position saturates: they lie within 2^max_extent_log2 texels

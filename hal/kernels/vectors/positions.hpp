@@ -24,7 +24,8 @@ SPANTEX_INLINE v series16(v e16, int slope_log2) {
 SPANTEX_INLINE v level_of(v terms, v e16, int slope_log2, int32_t most) {
   const v t = e16 - upper(products(e16, e16) >> (-1 - slope_log2));
   const v log_w = products(t, set(int32_t(level_factor.raw()) << 16)) >> (11 - slope_log2);
-  return least(largest((terms - log_w + 128) >> 8, set(0)), set(most));
+  const v level = terms - log_w;  // finer() with a bias of -8 takes off half of what lies between 0 and 1
+  return least(largest((level - (least(largest(level, set(0)), set(1 << 16)) >> 1) + 128) >> 8, set(0)), set(most));
 }
 
 // c + a hx + b hy, row by row.
