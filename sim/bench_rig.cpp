@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench_rig.hpp"
 
+#include <algorithm>
 #include <map>
 #include <set>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
@@ -31,19 +33,38 @@ void only_known(const std::string& path, const json& object, const std::set<std:
     if (known.count(key) == 0) refuse(path, "unknown key '" + key + "' in " + where);
 }
 
+// Not JSON, or a key twice in one object, of which a parser would silently keep the last.
+json parsed(const std::string& path, const bytes& text) {
+  std::vector<std::set<std::string>> keys;
+  const auto watch = [&](int, json::parse_event_t event, json& value) {
+    if (event == json::parse_event_t::object_start) keys.emplace_back();
+    if (event == json::parse_event_t::object_end) keys.pop_back();
+    if (event == json::parse_event_t::key && !keys.back().insert(value.get<std::string>()).second) refuse(path, "key '" + value.get<std::string>() + "' is there twice");
+    return true;
+  };
+  try {
+    return json::parse(text.begin(), text.end(), watch);
+  } catch (const json::exception& e) {
+    refuse(path, std::string("not JSON: ") + e.what());
+  }
+}
+
+bool is_name(const json& x) {
+  if (!x.is_string() || x.get<std::string>().empty()) return false;
+  const std::string name = x;
+  return std::none_of(name.begin(), name.end(), [](char c) { return uint8_t(c) < ' '; });
+}
+
+bool is_number(const std::string& name) { return name.find_first_not_of("0123456789") == std::string::npos; }
+
 }  // namespace
 
 bench_rig load_rig(const std::string& path) {
   const bytes text = read_file(path);
-  json top;
-  try {
-    top = json::parse(text.begin(), text.end());
-  } catch (const json::exception& e) {
-    refuse(path, std::string("not JSON: ") + e.what());
-  }
+  const json top = parsed(path, text);
   only_known(path, top, {"chip", "lines", "data_bits", "limits", "settle_ns"}, "the rig");
   bench_rig rig;
-  if (!top.contains("chip") || !top["chip"].is_string() || top["chip"].get<std::string>().empty()) refuse(path, "'chip' must be a name, label or path");
+  if (!top.contains("chip") || !is_name(top["chip"])) refuse(path, "'chip' must be a name, label or path");
   rig.gpio.chip = top["chip"];
   number(path, top, "data_bits", 4, 8, rig.gpio.data_bits);
   if (rig.gpio.data_bits != 4 && rig.gpio.data_bits != 8) refuse(path, "'data_bits' must be 8 or 4");
@@ -61,9 +82,9 @@ bench_rig load_rig(const std::string& path) {
   for (const auto& [name, at] : wanted) {
     if (!top["lines"].contains(name)) refuse(path, "line '" + name + "' is missing");
     const json& x = top["lines"][name];
-    if (x.is_string() && !x.get<std::string>().empty()) *at = x;
+    if (is_name(x) && !is_number(x)) *at = x;
     else if (x.is_number_integer() && x >= 0 && x <= 65535) *at = std::to_string(x.get<int>());
-    else refuse(path, "line '" + name + "' must be a name or an offset");
+    else refuse(path, "line '" + name + "' must be a name, or an offset without quotes");
     if (!used.insert(*at).second) refuse(path, "line '" + name + "' is on '" + *at + "', which another line uses");
   }
 

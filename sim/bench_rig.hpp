@@ -14,7 +14,7 @@ struct bench_rig {
   uint64_t settle_ns = 5'000'000;  // self-test: the device's longest time to follow a change of the lines
 };
 
-// Throws input_error that names the file and what is wrong: unreadable, not JSON, a key unknown, missing or of the wrong kind, a line used twice.
+// Throws input_error that names the file and what is wrong: unreadable, not JSON, a key unknown, missing, twice or of the wrong kind, a line used twice.
 bench_rig load_rig(const std::string& path);
 
 }  // namespace spantex::sim

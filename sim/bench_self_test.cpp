@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench_self_test.hpp"
 
+#include <algorithm>
+
 #include "random.hpp"
 
 namespace spantex::sim {
@@ -73,6 +75,7 @@ class tester {
       SPANTEX_TRY(lines_.set_control({.to_host = c.to_host, .command = c.command, .reset = c.reset}));
       if (c.reset) SPANTEX_TRY(follows({false, c.command, c.to_host}));
       SPANTEX_TRY(lines_.release_data());
+      if (c.reset && !in_reset) SPANTEX_TRY(shows_busy());  // else the device may show already what it is to show out of reset
       c = {in_reset && (x & 1) != 0, in_reset && (x & 2) != 0, (x & 4) != 0, in_reset};
       SPANTEX_TRY(lines_.set_control({.to_host = c.to_host, .command = c.command, .reset = c.reset}));
       const int data = drives ? int(x >> 16) & all_data() : 0;
@@ -88,13 +91,25 @@ class tester {
     return lines_.release_data();
   }
 
+  status shows_busy() {
+    SPANTEX_TRY(lines_.set_control({.command = true, .reset = true}));
+    return follows({.busy = true});
+  }
+
   // The device takes data while it sees the clock high, so they stay until it shows that the clock has fallen.
   status follows(const bench::status_lines& shown) {
-    const uint64_t end = lines_.now_ns() + settle_ns_;
-    for (uint16_t seen = 0;;) {
-      SPANTEX_TRY(read_shown(seen));
-      if (seen == bits_of(shown) || lines_.now_ns() >= end) return status::ok;
-      lines_.pause(settle_ns_ / 16 + 1);
+    uint16_t seen = 0;
+    return settles(bits_of(shown), seen, [&](uint16_t& now) { return read_shown(now); });
+  }
+
+  // Reads until the levels are as wanted, or have had time to be.
+  template <class Read>
+  status settles(uint16_t wanted, uint16_t& seen, Read read) {
+    const uint64_t end = lines_.now_ns() + settle_ns_, longest = settle_ns_ / 16 + 1;
+    for (uint64_t pause = settle_ns_ / 1024 + 1;; pause = std::min(2 * pause, longest)) {
+      SPANTEX_TRY(read(seen));
+      if (seen == wanted || lines_.now_ns() >= end) return status::ok;
+      lines_.pause(pause);
     }
   }
 
@@ -115,16 +130,10 @@ class tester {
     return status::ok;
   }
 
-  // Until the levels are as wanted, or have had time to be.
   template <class Read>
   status observe(uint16_t wanted, const std::string& where, Read read) {
-    const uint64_t end = lines_.now_ns() + settle_ns_;
     uint16_t seen = 0;
-    for (;;) {
-      SPANTEX_TRY(read(seen));
-      if (seen == wanted || lines_.now_ns() >= end) break;
-      lines_.pause(settle_ns_ / 16 + 1);
-    }
+    SPANTEX_TRY(settles(wanted, seen, read));
     // A bridge can close a loop through the device, and then levels swing: what they are just now says nothing.
     for (uint64_t k = 1; seen != wanted && seen != unstable && k <= 8; ++k) {
       uint16_t again = 0;

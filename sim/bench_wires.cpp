@@ -20,6 +20,8 @@ const char* to_string(wire_fault_kind k) {
     case wire_fault_kind::restarts: return "device restarts";
     case wire_fault_kind::hangs: return "device hangs";
     case wire_fault_kind::sleeps: return "device sleeps";
+    case wire_fault_kind::edge_lost: return "edge event lost";
+    case wire_fault_kind::edge_doubled: return "edge event doubled";
   }
   return "unknown";
 }
@@ -117,7 +119,8 @@ status simulated_lines::call() {
   wires_.at_call(calls_);
   const wire_fault* f = nullptr;
   if (wires_.begins(wire_fault_kind::restarts)) restart_device();
-  if (wires_.begins(wire_fault_kind::sleeps, &f)) awake_ns_ = now_ns_ + f->ns;
+  for (wire_fault_kind k : {wire_fault_kind::sleeps, wire_fault_kind::edge_lost, wire_fault_kind::edge_doubled})
+    if (wires_.begins(k, &f)) awake_ns_ = now_ns_ + f->ns;
   return wires_.active(wire_fault_kind::call_fails) ? status::device_error : status::ok;
 }
 
@@ -185,6 +188,11 @@ status simulated_lines::read_status(bench::status_lines& s) {
 
 status simulated_lines::wait_edge(uint64_t limit_ns) {
   SPANTEX_TRY(call());
+  if (wires_.active(wire_fault_kind::edge_doubled)) return status::ok;
+  if (wires_.active(wire_fault_kind::edge_lost)) {
+    pass(limit_ns);
+    return status::device_timeout;
+  }
   constexpr uint16_t watched = bit_of(wire::ready) | bit_of(wire::busy) | bit_of(wire::error);
   const uint64_t end = now_ns_ + limit_ns;
   const uint16_t before = wires_.seen_by_host() & watched;

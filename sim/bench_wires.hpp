@@ -37,8 +37,11 @@ enum class wire_fault_kind : uint8_t {
   restarts,        // loses all it had
   hangs,
   sleeps,          // for `ns`
+  // of events of edges, while the device sleeps for `ns` too, so that somebody waits for them
+  edge_lost,       // the host is not woken
+  edge_doubled,    // the host is woken at once, though nothing changed
 };
-inline constexpr int wire_fault_kind_count = int(wire_fault_kind::sleeps) + 1;
+inline constexpr int wire_fault_kind_count = int(wire_fault_kind::edge_doubled) + 1;
 const char* to_string(wire_fault_kind k);
 
 struct wire_fault {

@@ -9,14 +9,18 @@
 #include <hal/kernels/rows.hpp>
 #include <hal/sim_engine.hpp>
 #include "object_space_host.hpp"
+#include "unchanged.hpp"
 
 namespace spantex::sim {
 namespace {
 
 struct band { int32_t y0, y1; };  // pixel rows; whole span rows
+constexpr int bands_a_thread = 8;
 
-std::vector<band> make_bands(int height, int threads) {
-  const int rows = (height + span_side - 1) / span_side, count = std::clamp(threads, 1, rows);
+// A simulated machine a thread; the direct engine takes shorter bands, since rows near a horizon cost more than others.
+std::vector<band> make_bands(int height, const draw_options& o) {
+  const int wanted = o.sink != nullptr ? 1 : o.engine == engine_choice::direct && o.threads > 1 ? bands_a_thread * o.threads : o.threads;
+  const int rows = (height + span_side - 1) / span_side, count = std::clamp(wanted, 1, rows);
   std::vector<band> bands;
   for (int k = 0; k < count; ++k)
     bands.push_back({rows * k / count * span_side, std::min(height, rows * (k + 1) / count * span_side)});
@@ -25,7 +29,9 @@ std::vector<band> make_bands(int height, int threads) {
 
 struct band_counts {
   draw_counters work;
+  skip_counters skipped;
   counters machine;
+  uint64_t blocks_decoded = 0;
 };
 
 // A host kernel and the maps made ready for it; null and none where the scalar engine draws.
@@ -36,34 +42,56 @@ struct prepared {
 
 prepared prepare(const scene& s, const draw_options& o) {
   const bool wanted = o.profile == profile_choice::standard && o.engine == engine_choice::direct && o.space == sampling_space::screen && kernels::draws(o.kernel, o.kind) &&
-                      !o.single_half && o.port == nullptr && o.changes == profile_changes{} && o.how.alpha == alpha_mode::opaque && o.how.colour == white &&
+                      !o.single_half && o.port == nullptr && o.changes == profile_changes{} && o.how.alpha == alpha_mode::opaque && o.how.colour == white && o.skips == usual_skips &&
                       (o.kind == filter::nearest || std::all_of(s.maps->begin(), s.maps->end(), [](const texture_map& map) {
-                         return map.view().colours() == colour_space::coded;
+                         return map.view_on_demand().colours() == colour_space::coded;
                        }));
   prepared p;
   if (!wanted) return p;
   p.kernel = kernels::kernel_of(o.kernel);
   if (p.kernel != nullptr)
-    for (const texture_map& map : *s.maps) p.maps.emplace_back(map.view(), kernels::layout_of(o.kernel));
+    for (const texture_map& map : *s.maps) {
+      for (int k = 0; k < map.level_count(); ++k) map.make_level(k);  // a kernel's map has all
+      p.maps.emplace_back(map.view(), kernels::layout_of(o.kernel));
+    }
   return p;
 }
-
-struct frame_depths {
-  std::vector<uint32_t> values, floors;  // empty where no polygon is drawn
-};
 
 struct target {
   image& picture;
   frame_depths& depth;
   const prepared& ready;
+  const std::vector<uint8_t>& kept;  // spans (unchanged.hpp); empty: none
+  int32_t columns() const { return (picture.width_px + span_side - 1) / span_side; }
   depth_buffer depths() const { return depth.values.empty() ? depth_buffer{} : depth_buffer{depth.values.data(), depth.floors.data()}; }
 };
+
+// What is not kept.
+void clear(const target& out, rgba8 background) {
+  if (out.kept.empty()) {
+    std::fill(out.picture.pixels.begin(), out.picture.pixels.end(), background);
+    std::fill(out.depth.values.begin(), out.depth.values.end(), 0);
+    std::fill(out.depth.floors.begin(), out.depth.floors.end(), 0);
+    return;
+  }
+  const int32_t width = out.picture.width_px;
+  for (int32_t y = 0; y < out.picture.height_px; ++y)
+    for (int32_t sx = 0; sx < out.columns(); ++sx) {
+      const size_t span = size_t(y / span_side) * size_t(out.columns()) + size_t(sx), first = size_t(y) * size_t(width) + size_t(sx * span_side);
+      if (out.kept[span] != 0) continue;
+      const int count = std::min(span_side, width - sx * span_side);
+      std::fill_n(out.picture.pixels.begin() + std::ptrdiff_t(first), count, background);
+      if (out.depth.values.empty()) continue;
+      std::fill_n(out.depth.values.begin() + std::ptrdiff_t(first), count, 0u);
+      out.depth.floors[span] = 0;
+    }
+}
 
 frame_buffer frame_of(image& picture) { return {picture.pixels.data(), picture.width_px, picture.height_px, picture.width_px}; }
 
 // The item's map as the options read it.
 status view_of(const scene& s, const drawable& item, const draw_options& o, texture_view& t) {
-  t = s.texture(item);
+  t = s.map_of(item).view_on_demand();
   contour_style style = t.contour();
   style.threshold = o.threshold.value_or(style.threshold);
   style.scale = o.field_scale.value_or(style.scale);
@@ -71,25 +99,41 @@ status view_of(const scene& s, const drawable& item, const draw_options& o, text
   return t.set_contour(style);
 }
 
+// A level is made when the first section of it is read; the engine is told of the upload.
+template <class Engine>
+struct reads_on_demand : counted_reads {
+  Engine* engine = nullptr;
+  const texture_map* map = nullptr;  // that is drawn, and the view that is drawn by
+  texture_view* view = nullptr;
+  void touch(int level) {
+    if (const uint64_t words = map->make_level(level); words != 0) engine->mark({event_kind::map_upload, uint32_t(words)});
+    view->set_facts(map->facts());
+  }
+};
+
 status draw_item(auto& renderer, const drawable& item, const scene& s, const draw_options& o, band b, const target& out, draw_counters& counts) {
   const rectangle rows{0, b.y0, s.size.width_px, b.y1};
   texture_view map;
   SPANTEX_TRY(view_of(s, item, o, map));
+  renderer.reads().map = &s.map_of(item);
+  renderer.reads().view = &map;
   shading how = o.how;
   if (item.colours.varies || !(item.colours.flat == white)) how.colours = &item.colours;
+  const bool by_kernel = out.ready.kernel != nullptr && how.colours == nullptr;
+  if (by_kernel) SPANTEX_TRY(renderer.flush());  // what a surface with colours still computes lies under this one
   if (item.is_polygon) {
     polygon part = item.shape;
     part.box = intersection(part.box, rows);
-    if (out.ready.kernel != nullptr && how.colours == nullptr)
+    if (by_kernel)
       SPANTEX_TRY(kernels::draw_polygon(out.ready.kernel, out.ready.maps[size_t(item.map_index)], renderer, part, map, o.kind, out.depths(), frame_of(out.picture), counts, how));
-    else if (!part.box.empty())
+    else
       SPANTEX_TRY(renderer.draw(part, map, o.kind, out.depths(), how));
     if (o.parts_done) o.parts_done(1);
     return status::ok;
   }
   for (int32_t y = b.y0; y < b.y1; y += span_side) {
     const rectangle row{0, y, rows.x1, std::min(y + span_side, b.y1)};
-    if (out.ready.kernel != nullptr && how.colours == nullptr)
+    if (by_kernel)
       SPANTEX_TRY(kernels::draw_plane(out.ready.kernel, out.ready.maps[size_t(item.map_index)], renderer, item.shape.map, map, o.kind, row, frame_of(out.picture), counts, how));
     else
       SPANTEX_TRY(renderer.draw(item.shape.map, map, o.kind, row, how));
@@ -118,26 +162,45 @@ void add(draw_counters& sum, const draw_counters& c) {
   sum.pixels_blended += c.pixels_blended;
 }
 
+void add(skip_counters& sum, const skip_counters& c) {
+  sum.spans_outside += c.spans_outside;
+  sum.spans_below_floor += c.spans_below_floor;
+  sum.loads_in_other_half += c.loads_in_other_half;
+  sum.jobs_constant += c.jobs_constant;
+  sum.spans_constant += c.spans_constant;
+  sum.pixels_constant += c.pixels_constant;
+  sum.jobs_uniform += c.jobs_uniform;
+  sum.jobs_one_texel += c.jobs_one_texel;
+  sum.jobs_copied += c.jobs_copied;
+  sum.jobs_transparent += c.jobs_transparent;
+  sum.pixels_written += c.pixels_written;
+  sum.pixels_opaque += c.pixels_opaque;
+}
+
 template <class Prof, class Engine>
-status draw_band(const Prof& prof, Engine& engine, const scene& s, const draw_options& o, band b, const target& out, draw_counters& work) {
-  for (const texture_map& map : *s.maps) engine.mark({event_kind::map_upload, uint32_t(map.words_uploaded())});
-  renderer<Engine, Prof, shading, counted_reads> r(engine, prof, {out.picture.pixels.data(), s.size.width_px, s.size.height_px, s.size.width_px});
+status draw_band(const Prof& prof, Engine& engine, const scene& s, const draw_options& o, band b, const target& out, band_counts& counts) {
+  for (const texture_map& map : *s.maps)
+    if (const uint64_t words = map.words_uploaded(); words != 0) engine.mark({event_kind::map_upload, uint32_t(words)});
+  const run_time_skips skips{o.port == nullptr ? o.skips : o.skips & default_skips, {0, b.y0, s.size.width_px, b.y1}, out.kept.empty() ? nullptr : out.kept.data(), out.columns()};
+  renderer<Engine, Prof, shading, reads_on_demand<Engine>, run_time_skips> r(engine, prof, frame_of(out.picture), skips, {{}, &engine, nullptr, nullptr});
   r.single_half(o.single_half);
-  for (const drawable& item : s.items) SPANTEX_TRY(draw_item(r, item, s, o, b, out, work));
+  for (const drawable& item : s.items) SPANTEX_TRY(draw_item(r, item, s, o, b, out, counts.work));
   SPANTEX_TRY(r.finish());
-  add(work, r.counters());
+  add(counts.work, r.counters());
+  add(counts.skipped, r.skipped());
+  counts.blocks_decoded += r.reads().blocks_decoded;
   return status::ok;
 }
 
 template <class Prof, int Fine = Prof::max_fine_side>
 status draw_band_with(const Prof& prof, const scene& s, const draw_options& o, band b, const target& out, band_counts& counts) {
-  if (o.port != nullptr) return draw_band(prof, *o.port, s, o, b, out, counts.work);
+  if (o.port != nullptr) return draw_band(prof, *o.port, s, o, b, out, counts);
   if (o.engine == engine_choice::direct) {
     const auto engine = std::make_unique<direct_engine<Prof, Fine>>(prof);
-    return draw_band(prof, *engine, s, o, b, out, counts.work);
+    return draw_band(prof, *engine, s, o, b, out, counts);
   }
   const auto engine = std::make_unique<sim_engine<Prof, Fine>>(prof, o.table, o.sink);
-  SPANTEX_TRY(draw_band(prof, *engine, s, o, b, out, counts.work));
+  SPANTEX_TRY(draw_band(prof, *engine, s, o, b, out, counts));
   counts.machine = engine->counters();
   return status::ok;
 }
@@ -177,25 +240,28 @@ void add(counters& sum, const counters& c) {
 }
 
 // One repetition; the time of drawing alone.
-double draw_once(const scene& s, const draw_options& o, const prepared& ready, const std::vector<band>& bands, draw_result& result, frame_depths& depth) {
-  std::fill(result.picture.pixels.begin(), result.picture.pixels.end(), o.background);
-  std::fill(depth.values.begin(), depth.values.end(), 0);
-  std::fill(depth.floors.begin(), depth.floors.end(), 0);
+double draw_once(const scene& s, const draw_options& o, const prepared& ready, const std::vector<uint8_t>& kept, const std::vector<band>& bands, thread_team& team,
+                 draw_result& result, frame_depths& depth) {
   std::vector<band_counts> counts(bands.size());
-  const target out{result.picture, depth, ready};
+  const target out{result.picture, depth, ready, kept};
+  clear(out, o.background);
   const auto begun = std::chrono::steady_clock::now();
-  for_each_index(int(bands.size()), int(bands.size()), [&](int k) {
+  team.run(int(bands.size()), [&](int k) {
     const status done = draw_band_by_profile(s, o, bands[size_t(k)], out, counts[size_t(k)]);
     if (done != status::ok) throw input_error(s.name + ": " + to_string(done));
   });
   const double ns = std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now() - begun).count();
   result.work = {};
+  result.skipped = {};
   result.machine = {};
+  result.blocks_decoded = 0;
   result.machines = int(bands.size());
   result.cycles_of_all_machines = 0;
   for (const band_counts& c : counts) {
     add(result.work, c.work);
+    add(result.skipped, c.skipped);
     add(result.machine, c.machine);
+    result.blocks_decoded += c.blocks_decoded;
     result.cycles_of_all_machines += c.machine.total_cycles;
   }
   return ns;
@@ -210,7 +276,9 @@ constexpr double depth_ratio_of_bands = 2;
 
 double draw_in_object_space(const scene& s, const draw_options& options, draw_result& result) {
   for (const texture_map& map : *s.maps)
-    if (map.view().colours() == colour_space::srgb) throw input_error("object space: spreads coded colours: not with an sRGB map");
+    if (map.view_on_demand().colours() == colour_space::srgb) throw input_error("object space: spreads coded colours: not with an sRGB map");
+  for (const texture_map& map : *s.maps)
+    for (int k = 0; k < map.level_count(); ++k) map.make_level(k);
   object_space_options o;
   o.profile = options.profile;
   o.kind = options.kind;
@@ -239,39 +307,69 @@ profile profile_of(profile_choice choice, const profile_changes& changes) {
   return p;
 }
 
-draw_result draw(const scene& s, const draw_options& options) {
+namespace {
+
+scene without_culled(const scene& s, cull culled) {
+  scene kept = s;
+  std::erase_if(kept.items, [&](const drawable& item) { return item.is_polygon && item.shape.front_facing == (culled == cull::clockwise); });
+  return kept;
+}
+
+}  // namespace
+
+draw_result draw(const scene& all, const draw_options& options, frame_before* before) {
+  const bool culls = options.culled != cull::none;
+  const scene facing = culls ? without_culled(all, options.culled) : scene{};
+  const scene& s = culls ? facing : all;
   draw_result result;
+  result.polygons_outside = s.polygons_outside;
+  result.polygons_culled = int(all.items.size() - s.items.size());
   result.picture = image(s.size.width_px, s.size.height_px, options.background);
-  if (!s.maps->empty()) result.format = s.maps->front().view().format();
-  if (!s.maps->empty()) result.colours = s.maps->front().view().colours();
-  for (const texture_map& map : *s.maps) result.words_uploaded += map.words_uploaded();
+  if (!s.maps->empty()) result.format = s.maps->front().view_on_demand().format();
+  if (!s.maps->empty()) result.colours = s.maps->front().view_on_demand().colours();
   frame_depths depth;
   if (s.uses_depth()) {
     const auto spans = [](int px) { return size_t(px + span_side - 1) / span_side; };
     depth.values.resize(result.picture.pixels.size());
     depth.floors.resize(spans(s.size.width_px) * spans(s.size.height_px));
   }
-  const std::vector<band> bands = make_bands(s.size.height_px, options.sink != nullptr ? 1 : options.threads);
+  const auto begun = std::chrono::steady_clock::now();
+  const bool keeps = before != nullptr && options.space == sampling_space::screen && options.port == nullptr;
+  const std::vector<uint8_t> kept = keeps ? before->unchanged(s, options) : std::vector<uint8_t>();
+  if (!kept.empty()) {
+    result.spans_unchanged = int(std::count(kept.begin(), kept.end(), 1));
+    result.picture = before->picture();
+    depth = before->depth();
+  }
+  const double ns_to_compare = std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now() - begun).count();
+  const std::vector<band> bands = make_bands(s.size.height_px, options);
+  thread_team team(std::min(options.threads, int(bands.size())));
   const prepared ready = prepare(s, options);
   if (ready.kernel != nullptr) result.kernel = name_of(kernel_names, kernels::resolved(options.kernel));
   std::vector<double> times;
-  for (int k = 0; k < std::max(1, options.repeat); ++k) 
-    times.push_back(options.space == sampling_space::object ? draw_in_object_space(s, options, result) : draw_once(s, options, ready, bands, result, depth));
+  for (int k = 0; k < std::max(1, options.repeat); ++k)
+    times.push_back(options.space == sampling_space::object ? draw_in_object_space(s, options, result)
+                                                            : ns_to_compare + draw_once(s, options, ready, kept, bands, team, result, depth));
   if (ready.kernel != nullptr && options.counted) {
     const image by_kernel = result.picture;
     draw_options quiet = options;
     quiet.parts_done = nullptr;
-    draw_once(s, quiet, {}, bands, result, depth);
+    draw_once(s, quiet, {}, kept, bands, team, result, depth);
     if (by_kernel.pixels != result.picture.pixels) throw std::logic_error(s.name + ": kernel and engine differ");
   }
   std::nth_element(times.begin(), times.begin() + std::ptrdiff_t(times.size() / 2), times.end());
   result.ns_per_pixel = times[times.size() / 2] / double(result.picture.pixels.size());
+  for (const texture_map& map : *s.maps) {
+    result.words_uploaded += map.words_uploaded();
+    result.levels_left_out += map.levels_left_out();
+  }
+  if (keeps) before->keep(s, options, result.picture, depth);
   return result;
 }
 
 int draw_parts(const scene& s, const draw_options& options) {
   if (options.space == sampling_space::object) return 0;
-  const int bands = int(make_bands(s.size.height_px, options.threads).size()), rows = (s.size.height_px + span_side - 1) / span_side;
+  const int bands = int(make_bands(s.size.height_px, options).size()), rows = (s.size.height_px + span_side - 1) / span_side;
   int parts = 0;
   for (const drawable& item : s.items) parts += item.is_polygon ? bands : rows;
   return parts * std::max(1, options.repeat);

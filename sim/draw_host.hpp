@@ -35,6 +35,9 @@ struct profile_changes {
   friend bool operator==(const profile_changes&, const profile_changes&) = default;
 };
 
+// Polygons that are left out by the way their corners run on the screen (y down). Of a closed model seen from outside none of the backs is seen.
+enum class cull : uint8_t { none, clockwise, counterclockwise };
+
 template <class T> struct named { std::string_view name; T value; };
 
 inline constexpr std::array<named<profile_choice>, 4> profile_names{
@@ -55,6 +58,12 @@ inline constexpr std::array<named<level_formula>, 3> level_names{
 inline constexpr std::array<named<spantex::alpha_mode>, 4> alpha_names{
     {{"opaque", spantex::alpha_mode::opaque}, {"cut-out", spantex::alpha_mode::cut_out},
      {"blended", spantex::alpha_mode::blended}, {"premultiplied", spantex::alpha_mode::premultiplied}}};
+inline constexpr std::array<named<skip>, skip_count> skip_names{
+    {{"outside", skip::outside}, {"empty", skip::empty}, {"hidden", skip::hidden}, {"floors", skip::floors}, {"held", skip::held}, {"second-level", skip::second_level},
+     {"other-half", skip::other_half}, {"constant", skip::constant}, {"uniform", skip::uniform}, {"one-texel", skip::one_texel}, {"copy", skip::copy},
+     {"opaque", skip::opaque}, {"transparent", skip::transparent}}};
+inline constexpr std::array<named<cull>, 3> cull_names{
+    {{"none", cull::none}, {"clockwise", cull::clockwise}, {"counterclockwise", cull::counterclockwise}}};
 inline constexpr std::array<named<wrap>, 3> wrap_names{{{"repeat", wrap::repeat}, {"clamp", wrap::clamp}, {"mirror", wrap::mirror}}};
 inline constexpr std::array<named<prefilter>, 4> prefilter_names{{{"box", prefilter::box}, {"triangle", prefilter::triangle},
                                                                   {"kaiser", prefilter::kaiser}, {"lanczos", prefilter::lanczos}}};
@@ -75,6 +84,10 @@ constexpr std::string_view name_of(const std::array<named<T>, N>& names, T value
 
 profile profile_of(profile_choice choice, const profile_changes& changes);
 
+struct frame_depths {
+  std::vector<uint32_t> values, floors;  // empty where no polygon is drawn
+};
+
 struct draw_options {
   profile_choice profile = profile_choice::standard;
   profile_changes changes;
@@ -90,19 +103,24 @@ struct draw_options {
   int threads = 1;
   int repeat = 1;
   bool single_half = false;
+  cull culled = cull::none;
+  skip_set skips = usual_skips;      // of the scalar engine; kernels have their own, and draw only where none is switched off
   latencies table{};                 // engine sim
   trace_sink* sink = nullptr;        // engine sim, one thread
-  any_engine* port = nullptr;        // instead of an engine made here: one thread
+  any_engine* port = nullptr;        // instead of an engine made here: one thread, and of the skips those of a device, so that the engine draws every pixel
   progress_callback parts_done;
 };
 
 struct draw_result {
   image picture;
   draw_counters work;                // of one repetition, summed over the threads
+  skip_counters skipped;
+  int polygons_outside = 0, polygons_culled = 0, levels_left_out = 0, spans_unchanged = 0;
   texel_format format = texel_format::rgba8888;  // of the first map
   colour_space colours = colour_space::coded;    // likewise
   std::string_view kernel = "scalar";            // what drew: see kernel_names
-  uint64_t words_uploaded = 0;       // 64-bit words of all maps into global texture memory, before drawing
+  uint64_t words_uploaded = 0;       // 64-bit words of all maps into global texture memory: of levels made on demand those that spans read, so far
+  uint64_t blocks_decoded = 0;       // of compressed formats, by the scalar engine
   counters machine;                  // engine sim: summed, total_cycles the longest
   int machines = 0;                  // engines, one per thread that had a row of spans
   cycle cycles_of_all_machines = 0;  // engine sim: total_cycles, summed
@@ -110,7 +128,9 @@ struct draw_result {
   double ns_per_pixel = 0;           // median; from coefficients and prepared maps in memory to pixels in memory
 };
 
-draw_result draw(const scene& s, const draw_options& options);
+// before: the frame before, whose pixels are kept where nothing changes, and then this one; null: every span is drawn. In screen space, by an engine made here.
+class frame_before;
+draw_result draw(const scene& all, const draw_options& options, frame_before* before = nullptr);
 
 int draw_parts(const scene& s, const draw_options& options);  // how many parts_done will add up to
 

@@ -25,7 +25,7 @@ double radians(double degrees) { return degrees * M_PI / 180; }
 
 std::shared_ptr<const map_list> maps_of(const scene_request& r, std::initializer_list<image> pictures) {
   map_list maps;
-  for (const image& p : pictures) maps.emplace_back(p, r.levels, r.wrap_u, r.wrap_v, r.format, r.colours);
+  for (const image& p : pictures) maps.emplace_back(p, r.levels, r.wrap_u, r.wrap_v, r.format, r.colours, r.most_levels, r.making);
   return std::make_shared<const map_list>(std::move(maps));
 }
 
@@ -102,32 +102,32 @@ void add_box(world& w, const vector3d& half, const vector3d& middle, double turn
     }
 }
 
-world thirty_faces(const char* name, const scene_request& r) {
+world thirty_faces(const char* name, const scene_request& r, double turned) {
   world w{name, maps_of(r, {random_pattern(map_side, 7), squares_pattern(map_side, squares)}), {}, {}, 0};
   constexpr double cube = 1.6;
   add_box(w, {10, 5, 10}, {0, 5, 0}, 0, 0, map_side / 5.0, 0);
   add_box(w, {cube, cube, cube}, {-3.2, cube, -1.5}, 0.4, 0, map_side / (2 * cube), 1);
   add_box(w, {cube, cube, cube}, {2.6, cube, -3.4}, -0.7, 0, map_side / (2 * cube), 1);
   add_box(w, {cube, cube, cube}, {1.8, cube, 2.4}, 1.1, 0, map_side / (2 * cube), 1);
-  add_box(w, {cube, cube, cube}, {-0.6, 5.6, -2.2}, 0.5, 0.6, map_side / (2 * cube), 1);
+  add_box(w, {cube, cube, cube}, {-0.6, 5.6, -2.2}, 0.5 + turned, 0.6, map_side / (2 * cube), 1);
   w.measure();
   return w;
 }
 
-scene cubes_scene(const char* name, const scene_request& r, vector3d eye, const vector3d& target) {
-  const double turn = radians(r.turn_degrees), x = eye[0], z = eye[2];
+scene cubes_scene(const char* name, const scene_request& r, vector3d eye, const vector3d& target, bool still = false) {
+  const double turned = radians(r.turn_degrees), turn = still ? 0 : turned, x = eye[0], z = eye[2];
   eye = {x * cos(turn) + z * sin(turn), eye[1], z * cos(turn) - x * sin(turn)};
   camera_options camera;
   camera.eye = eye;
   camera.target = target;
   camera.vertical_degrees = 52;
-  return look_at(thirty_faces(name, r), camera, r.size);
+  return look_at(thirty_faces(name, r, still ? turned : 0), camera, r.size);
 }
 
 }  // namespace
 
 const std::vector<std::string>& scene_names() {
-  static const std::vector<std::string> names{"facing", "tilted", "grazing", "fig6", "fig7", "fig8", "fig9", "contour", "chessboard"};
+  static const std::vector<std::string> names{"facing", "tilted", "grazing", "fig6", "fig7", "fig8", "fig9", "turning", "contour", "chessboard"};
   return names;
 }
 
@@ -162,6 +162,7 @@ scene make_named_scene(const std::string& name, const scene_request& r) {
   if (name == "chessboard") return ground_scene("chessboard", r, chessboard_pattern(2 * chessboard_texels, 2), chessboard_texels, 1.5, 9, 25);
   if (name == "contour") return contour_scene("contour", r);
   if (name == "fig8") return cubes_scene("fig8", r, {-6.5, 6.2, 8.6}, {-0.2, 2.6, -1});
+  if (name == "turning") return cubes_scene("turning", r, {-6.5, 6.2, 8.6}, {-0.2, 2.6, -1}, true);
   return cubes_scene("fig9", r, {8.8, 7.4, 6.2}, {-0.6, 1.9, -0.8});
 }
 

@@ -6,6 +6,7 @@
 //   fig7                      figure 7: a long surface seen at a grazing angle, up to its horizon
 //   fig8, fig9                figures 8 and 9: thirty faces, two maps; a random one on the six faces of the background, squares on the
 //                             twenty-four of four cubes; two views
+//   turning                   figure 8 with a camera that stands still: the cube in the air turns instead
 //   contour                   a contour map of a few shapes up to its horizon, from 16 pixels a texel to 16 texels a pixel; for filter contour
 //   chessboard                GCK09's test: (floor X + floor Z) mod 2 on the ground, to the horizon; a map of 2x2 squares that repeats
 #pragma once
@@ -31,7 +32,9 @@ struct scene_request {
   colour_space colours = colour_space::coded;    // likewise
   std::optional<image> texture;     // of the three planes; a photographic pattern if empty
   std::shared_ptr<const map_list> maps;  // or their map, prepared: levels and wraps above do not apply
-  double turn_degrees = 0;          // of the camera, for turntables
+  double turn_degrees = 0;          // of the camera, for turntables; of a cube in `turning`
+  int most_levels = 0;              // of every map that is made here; 0: all
+  level_making making = level_making::at_once;  // likewise
 };
 
 const std::vector<std::string>& scene_names();

@@ -50,7 +50,7 @@ float level_of_detail(const float_matrix& m, float u, float v, float w) {
   return log2f(std::max(hypotf(ux, vx), hypotf(uy, vy)));
 }
 
-colour sample(const texture_view& t, filter kind, const float_matrix& m, float x, float y) {
+colour sample(const texture_view& t, filter kind, int mip_bias, const float_matrix& m, float x, float y) {
   const float w = m[6] * x + m[7] * y + m[8];
   const float limit = 1 << 20;
   const float u = std::clamp((m[0] * x + m[1] * y + m[2]) / w, -limit, limit);
@@ -58,7 +58,8 @@ colour sample(const texture_view& t, filter kind, const float_matrix& m, float x
   const bool three = uses_three_points(kind);
   if (kind == filter::nearest) return texel(t, 0, int(floorf(u)), int(floorf(v)));
   if (!uses_levels(kind)) return on_level(t, 0, u, v, three);
-  const float level = std::clamp(level_of_detail(m, u, v, w), 0.0f, float(t.last_level()));
+  const float rho = level_of_detail(m, u, v, w);
+  const float level = std::clamp(rho + float(mip_bias) / 16 * std::clamp(rho, 0.0f, 1.0f), 0.0f, float(t.last_level()));
   if (kind == filter::mip_bilinear) return on_level(t, std::max(0, int(ceilf(level + 0.5f)) - 1), u, v, false);
   const int fine = int(level);
   if (fine >= t.last_level()) return on_level(t, fine, u, v, three);
@@ -73,7 +74,7 @@ rgba8 rounded(const colour& c) {
 
 }  // namespace
 
-image render_float(const scene& s, filter kind, rgba8 background) {
+image render_float(const scene& s, filter kind, int mip_bias, rgba8 background) {
   image out(s.size.width_px, s.size.height_px, background);
   const std::vector<int> shown = visible_items(s);
   for (int j = 0; j < out.height_px; ++j)
@@ -83,7 +84,7 @@ image render_float(const scene& s, filter kind, rgba8 background) {
       const drawable& item = s.items[size_t(index)];
       float_matrix m;
       std::transform(item.ideal.begin(), item.ideal.end(), m.begin(), [](double x) { return float(x); });
-      out.at(i, j) = rounded(sample(s.texture(item), kind, m, float(i) + 0.5f, float(j) + 0.5f));
+      out.at(i, j) = rounded(sample(s.texture(item), kind, mip_bias, m, float(i) + 0.5f, float(j) + 0.5f));
     }
   return out;
 }

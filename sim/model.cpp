@@ -91,7 +91,7 @@ texture_map material_map(const aiScene& file, const aiMaterial& material, const 
     int u = aiTextureMapMode_Wrap, v = aiTextureMapMode_Wrap;
     aiGetMaterialInteger(&material, AI_MATKEY_MAPPINGMODE_U(type, 0), &u);
     aiGetMaterialInteger(&material, AI_MATKEY_MAPPINGMODE_V(type, 0), &v);
-    return {std::move(picture), o.levels, o.wrap_u.value_or(to_wrap(u)), o.wrap_v.value_or(to_wrap(v)), o.format, o.colours};
+    return {std::move(picture), o.levels, o.wrap_u.value_or(to_wrap(u)), o.wrap_v.value_or(to_wrap(v)), o.format, o.colours, o.most_levels, o.making};
   }
   return colour_map(material, o);
 }
@@ -103,23 +103,15 @@ double periods_off(double least, wrap mode) {
 }
 
 world_face to_face(const aiMesh& mesh, const aiFace& f, const texture_map& map, const std::string& path) {
-  const texture_view& t = map.view();
   world_face out{{}, int(mesh.mMaterialIndex)};
-  double least_u = INFINITY, least_v = INFINITY;
   for (unsigned k = 0; k < f.mNumIndices; ++k) {
     const aiVector3D& p = mesh.mVertices[f.mIndices[k]];
     const aiVector3D uv = mesh.HasTextureCoords(0) ? mesh.mTextureCoords[0][f.mIndices[k]] : aiVector3D();
     if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) throw input_error(path + ": a vertex is not a finite number");
     if (!std::isfinite(uv.x) || !std::isfinite(uv.y)) throw input_error(path + ": a texture coordinate is not a finite number");
     out.corners.push_back({{p.x, p.y, p.z}, uv.x, 1.0 - double(uv.y)});
-    least_u = std::min(least_u, out.corners.back().u);
-    least_v = std::min(least_v, out.corners.back().v);
   }
-  for (world_vertex& c : out.corners) {
-    c.u = (c.u - periods_off(least_u, t.wrap_u())) * t.width();
-    c.v = (c.v - periods_off(least_v, t.wrap_v())) * t.height();
-    if (!(fabs(c.u) < 32768 && fabs(c.v) < 32768)) throw input_error(path + ": texture coordinates of a face exceed 32768 texels");
-  }
+  to_texels(out, map.view_on_demand(), path);
   return out;
 }
 
@@ -168,6 +160,19 @@ const aiScene& processed(Assimp::Importer& importer, const aiScene* file, const 
 }
 
 }  // namespace
+
+void to_texels(world_face& face, const texture_view& t, const std::string& path) {
+  double least_u = INFINITY, least_v = INFINITY;
+  for (const world_vertex& c : face.corners) {
+    least_u = std::min(least_u, c.u);
+    least_v = std::min(least_v, c.v);
+  }
+  for (world_vertex& c : face.corners) {
+    c.u = (c.u - periods_off(least_u, t.wrap_u())) * t.width();
+    c.v = (c.v - periods_off(least_v, t.wrap_v())) * t.height();
+    if (!(fabs(c.u) < 32768 && fabs(c.v) < 32768)) throw input_error(path + ": texture coordinates of a face exceed 32768 texels");
+  }
+}
 
 world load_model(const std::string& path, const model_options& options) {
   const bytes text = read_file(path);  // says why, where assimp would only say that it cannot

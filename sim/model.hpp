@@ -19,10 +19,15 @@ struct model_options {
   std::optional<wrap> wrap_u, wrap_v;  // instead of the material's
   texel_format format = texel_format::rgba8888;
   colour_space colours = colour_space::coded;
+  int most_levels = 0;                  // of every map; 0: all
+  level_making making = level_making::at_once;
 };
 
 // Throws input_error: unreadable file, no face that has an area, no texture coordinates at all or none in a mesh with a texture, a
 // texture that is missing or unreadable, a missing material library of an OBJ file.
 world load_model(const std::string& path, const model_options& options);
+
+// Coordinates of a face from widths and heights of its map into texels, whole periods taken off. Throws input_error: beyond 32768 texels.
+void to_texels(world_face& face, const texture_view& map, const std::string& path);
 
 }  // namespace spantex::sim

@@ -3,6 +3,10 @@
 
 #include <math.h>
 
+#include <algorithm>
+#include <bit>
+#include <utility>
+
 namespace spantex::sim {
 namespace {
 
@@ -40,6 +44,10 @@ void add_polygon(scene& s, const lens& view, const vertex* vertices, int count, 
 }
 
 void add_polygon(scene& s, const lens& view, const vertex* vertices, const rgba8* colours, int count, int map_index) {
+  if (view.skips_outside && is_outside(vertices, count, view.camera, view.clip)) {
+    ++s.polygons_outside;
+    return;
+  }
   drawable item{true, {}, {}, map_index, std::vector<vertex>(vertices, vertices + count), view.camera};
   const status made = make_polygon(vertices, colours, count, view.camera, view.clip, item.shape, item.colours);
   if (made == status::degenerate) return;
@@ -61,6 +69,39 @@ void add_plane(scene& s, const kt88_plane& q, const view& v, int map_index) {
   const status made = make_plane(q, v, item.shape.map);
   if (made != status::ok) throw input_error(s.name + ": plane: " + to_string(made));
   s.items.push_back(item);
+}
+
+void nearest_first(scene& s) {
+  const auto nearest = [](const drawable& d) {
+    int32_t least = INT32_MAX;
+    for (const vertex& v : d.corners) least = std::min(least, std::max(v.z, d.camera.near_z));
+    return least;
+  };
+  std::vector<std::pair<int32_t, size_t>> order;
+  for (size_t k = 0; k < s.items.size(); ++k) order.emplace_back(nearest(s.items[k]), k);
+  std::sort(order.begin(), order.end());
+  std::vector<drawable> sorted;
+  sorted.reserve(order.size());
+  for (const auto& [depth, k] : order) sorted.push_back(std::move(s.items[k]));
+  s.items = std::move(sorted);
+}
+
+overdraw overdraw_of(const scene& s) {
+  const int32_t columns = (s.size.width_px + span_side - 1) / span_side, rows = (s.size.height_px + span_side - 1) / span_side;
+  std::vector<span_mask> shown(size_t(columns) * size_t(rows));
+  overdraw sum;
+  for (const drawable& d : s.items) {
+    const polygon& p = d.shape;
+    if (p.box.empty()) continue;
+    for (int32_t sy = p.box.y0 / span_side; sy <= (p.box.y1 - 1) / span_side; ++sy)
+      for (int32_t sx = p.box.x0 / span_side; sx <= (p.box.x1 - 1) / span_side; ++sx) {
+        const span_mask mask = coverage(p.edges, sx, sy) & rectangle_mask(p.box, sx, sy) & front_mask(p.map, sx, sy);
+        sum.pixels_tested += uint64_t(std::popcount(mask));
+        shown[size_t(sy) * size_t(columns) + size_t(sx)] |= mask;
+      }
+  }
+  for (const span_mask mask : shown) sum.pixels_shown += uint64_t(std::popcount(mask));
+  return sum;
 }
 
 }  // namespace spantex::sim

@@ -35,8 +35,10 @@ struct scene {
   screen_size size{};
   std::shared_ptr<const map_list> maps;  // shared by the frames of a turntable
   std::vector<drawable> items;
+  int polygons_outside = 0;  // left out before set-up
 
-  const texture_view& texture(const drawable& item) const { return (*maps)[size_t(item.map_index)].view(); }
+  const texture_map& map_of(const drawable& item) const { return (*maps)[size_t(item.map_index)]; }
+  const texture_view& texture(const drawable& item) const { return map_of(item).view(); }
   bool uses_depth() const { return !items.empty() && items.front().is_polygon; }
 };
 
@@ -44,6 +46,7 @@ struct scene {
 struct lens {
   projection camera;
   rectangle clip;
+  bool skips_outside = true;  // polygons outside the picture are not set up
 };
 lens make_lens(screen_size size, double vertical_angle, double near_z);
 
@@ -55,6 +58,13 @@ void add_polygon(scene& s, const lens& view, const vertex* vertices, const rgba8
 // A plane over the whole screen from doubles, already checked; one wholly behind the viewer is left out.
 void add_plane(scene& s, const matrix& m, int map_index);
 void add_plane(scene& s, const kt88_plane& q, const view& v, int map_index);
+
+// Puts polygons in order of their nearest corner, so that what they hide is skipped before it is loaded. The picture stays but where depths are equal.
+void nearest_first(scene& s);
+
+// Of a scene of polygons: pixels that they cover, each as often as it is covered, and pixels covered at all. The first over the second is the overdraw.
+struct overdraw { uint64_t pixels_tested = 0, pixels_shown = 0; };
+overdraw overdraw_of(const scene& s);
 
 int32_t to_fixed(double x, int fraction_bits = 16);  // rounded; throws input_error beyond 32 bits
 

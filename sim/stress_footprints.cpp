@@ -97,7 +97,7 @@ real exact_footprint_level(const pixel_under_test& p, const exact_vector& along,
   const real bias = q.sample_bias / 16.0L, most = std::log2(real(q.max_samples));
   const real ratio = std::clamp(std::min(2 * length - area, length - bias), 0.0L, most);
   const real minor = length - ratio;
-  return std::clamp(minor + bias * std::clamp(minor, 0.0L, 1.0L) + q.level_bias / 16.0L, 0.0L, real(p.view().last_level()));
+  return std::clamp(finer_level(minor, q.sample_bias) + q.level_bias / 16.0L, 0.0L, real(p.view().last_level()));
 }
 
 void judge_vector(const pixel_under_test& p, const footprint& f) {

@@ -246,7 +246,8 @@ void stress_judge::judge_out_of_range(const evaluated_pixel& e, bool v) {
 // Exact levels are logarithms of exact integers, in long double.
 void stress_judge::judge_levels(span_under_test& span, const evaluated_pixel& e) {
   const auto limited = [](long double level) { return std::clamp(level, 0.0L, static_cast<long double>(last_level_judged)); };
-  const auto judge = [&](stress_stage stage, level_formula f, long double exact, double bound) {
+  const auto judge = [&](stress_stage stage, level_formula f, long double formula, double bound) {
+    const long double exact = biased_level(span.prof.value, formula);
     const long double computed =
         std::ldexp(static_cast<long double>(level_at(span.prof, span.with_levels(e.i, e.j, f), e.i, e.j)), -span.prof.value.level_bits);
     note(stage, double(std::fabs(limited(computed) - limited(exact))), bound, span.at, e.k);

@@ -40,7 +40,7 @@ void span_watch::judge_pixel(const span_coefficients& c, int i, int j) {
   const profile& q = prof_.value;
   const int32_t one = 1 << q.level_bits, fine = c.fine.level * one;
   const int32_t taken = c.two_levels ? fine + clamp_to(level_at(prof_, c, i, j) - fine, 0, one - 1) : fine;
-  const long double formula = exact_level(q.formula, *map_, hx, hy) + q.level_bias / 16.0L;
+  const long double formula = biased_level(q, exact_level(q.formula, *map_, hx, hy));
   const double wanted = double(std::clamp(formula, 0.0L, static_cast<long double>(c.last_level)));
   level.add(fabs(double(taken) / one - wanted));
 }

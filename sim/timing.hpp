@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Time in the simulator: cycles of one clock, intervals of them, and the table of latencies.
+// Time in the simulator: cycles of one clock, intervals of them (hal/ownership.hpp), and the table of latencies.
 //
 // Assumptions of the table
 //  1. One clock drives everything. VR11: one pixel a clock, all four channels at once.
@@ -14,28 +14,21 @@
 //  6. The pipeline takes the first pixel of a span right behind the last one of the span before; filling it is paid as latency, from the
 //     last pixel in to the last pixel out, and that is when the half is free again.
 //  7. A bank conflict holds the pipeline for one cycle per extra read of the busiest bank; the channels' memories work in lock step.
-//  8. The host issues operations in no time at all, in order, and waits only in take.
+//  8. The host issues operations in no time at all, in order, and waits only in take; pixels that it writes itself (skips.hpp: fills and copies)
+//     take it host_write_cycles each, while the engine goes on.
 #pragma once
 #include <stdint.h>
 
+#include <hal/ownership.hpp>
 #include <spantex/span.hpp>
 
 namespace spantex::sim {
 
-using cycle = uint64_t;
-
-struct interval {
-  cycle begin = 0, end = 0;
-  constexpr cycle length() const { return end - begin; }
-};
-
-constexpr cycle later(cycle a, cycle b) { return a > b ? a : b; }
-constexpr cycle earlier(cycle a, cycle b) { return a < b ? a : b; }
-
-constexpr cycle overlap_cycles(interval a, interval b) {
-  const cycle begin = later(a.begin, b.begin), end = earlier(a.end, b.end);
-  return begin < end ? end - begin : 0;
-}
+using spantex::cycle;
+using spantex::earlier;
+using spantex::interval;
+using spantex::later;
+using spantex::overlap_cycles;
 
 struct latencies {
   int port_words = 4;              // 64-bit words the loader port moves at once: one a channel
@@ -49,6 +42,7 @@ struct latencies {
   int fetch_fill_cycles = 1;       // banks and output switch
   int filter_fill_cycles = 3;      // along u, along v, between levels
   int write_out_cycles = 1;        // from the filter to the pixels that take delivers
+  int host_write_cycles = 1;       // a pixel that the host writes without the engine
 
   constexpr cycle transfer_cycles(int words) const {
     return cycle((words + port_words - 1) / port_words) * cycle(cycles_per_transfer);
@@ -58,7 +52,7 @@ struct latencies {
 constexpr bool is_valid(const latencies& t) {
   return t.port_words >= 1 && t.cycles_per_transfer >= 1 && t.burst_start_cycles >= 0 && t.coefficient_words >= 0 && t.axis_words >= 0 && t.contour_words >= 0 &&
          t.cycles_per_pixel >= 1 && t.coordinate_fill_cycles >= 0 && t.fetch_fill_cycles >= 0 && t.filter_fill_cycles >= 0 &&
-         t.write_out_cycles >= 0;
+         t.write_out_cycles >= 0 && t.host_write_cycles >= 0;
 }
 
 }  // namespace spantex::sim

@@ -195,10 +195,11 @@ void timeline_writer::stall(interval time) { write(slice("stall", pipeline_track
 
 void timeline_writer::mark(cycle at, event what) {
   nlohmann::json entry = {{"ph", "i"}, {"pid", 1}, {"tid", pipeline_track}, {"ts", at}, {"s", "t"}};
-  constexpr const char* names[] = {"span", "frame end", "map upload"};
+  constexpr const char* names[] = {"span", "frame end", "map upload", "write"};
   entry["name"] = names[int(what.kind)];
   if (what.kind == event_kind::span) entry["args"] = {{"x", what.value & 0xFFFF}, {"y", what.value >> 16}};
   if (what.kind == event_kind::map_upload) entry["args"] = {{"words", what.value}};
+  if (what.kind == event_kind::write) entry["args"] = {{"pixels", what.value}};
   write(entry);
 }
 

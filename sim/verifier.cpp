@@ -244,7 +244,7 @@ class row_verifier {
     const auto du = double((c * j.ux + s * j.uy) / scale), dv = double((c * j.vx + s * j.vy) / scale);
     const double length = std::log2(std::hypot(du, dv)), area = double(std::log2(std::fabs(j.ux * j.vy - j.uy * j.vx) / (scale * scale)));
     const double bias = q_.sample_bias / 16.0, ratio = std::clamp(std::min(2 * length - area, length - bias), 0.0, std::log2(double(q_.max_samples)));
-    const double minor = length - ratio, level = minor + bias * std::clamp(minor, 0.0, 1.0) + q_.level_bias / 16.0;
+    const double minor = length - ratio, level = double(finer_level(minor, q_.sample_bias)) + q_.level_bias / 16.0;
     const auto count = [&](double r) { return std::clamp(int(std::ceil(std::exp2(r) - q_.sample_slack / 16.0)), 1, q_.max_samples); };
     const place at{double(static_cast<long double>(map_.u_at(hx, hy)) / w), double(static_cast<long double>(map_.v_at(hx, hy)) / w)};
     for (int n = count(ratio - delta_); n <= count(ratio + delta_); ++n)
@@ -276,8 +276,8 @@ verdict verify_aniso(const plane& map, const texture_view& texture, const profil
   return result;
 }
 
-verdict verify_plane(const plane& map, const texture_view& texture, filter kind, const promised_precision& bits, const rgba8* picture,
-                     int width_px, int height_px) {
+verdict verify_plane(const plane& map, const texture_view& texture, filter kind, const profile& biases, const promised_precision& bits,
+                     const rgba8* picture, int width_px, int height_px) {
   const pixel_verifier verifier(texture, kind, bits);
   verdict result;
   for (int y = 0; y < height_px; ++y)
@@ -287,7 +287,7 @@ verdict verify_plane(const plane& map, const texture_view& texture, filter kind,
       if (w <= 0 || !in_range(nu, w) || !in_range(nv, w)) continue;
       ++result.pixels;
       const place at{double(static_cast<long double>(nu) / w), double(static_cast<long double>(nv) / w)};
-      const double level = uses_levels(kind) ? double(exact_level(map, hx, hy)) : 0;
+      const double level = uses_levels(kind) ? double(biased_level(biases, exact_level(map, hx, hy))) : 0;
       if (verifier.accepts(at, level, colour_of(picture[y * width_px + x]))) continue;
       if (result.failures++ == 0) { result.first_x = x; result.first_y = y; }
     }

@@ -23,9 +23,9 @@ struct verdict {
   int first_x = -1, first_y = -1;  // of the first failure
 };
 
-// Pixels of the plane with W > 0 and |u|, |v| < 2^15 inside a width x height picture.
-verdict verify_plane(const plane& map, const texture_view& texture, filter kind, const promised_precision& bits, const rgba8* picture,
-                     int width_px, int height_px);
+// Pixels of the plane with W > 0 and |u|, |v| < 2^15 inside a width x height picture. Of the profile only the biases of the level count.
+verdict verify_plane(const plane& map, const texture_view& texture, filter kind, const profile& biases, const promised_precision& bits,
+                     const rgba8* picture, int width_px, int height_px);
 
 // The same for aniso: a row of trilinear samples along the image of the direction, of 32 on the screen, that is nearest to the major axis at the
 // middle of the pixel's span or at the pixel; their number and level by docs/SPEC.md section 11 from the exact vector and area, the level

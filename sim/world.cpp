@@ -111,7 +111,8 @@ scene look_at(const world& w, const camera_options& camera, screen_size size) {
   const double scale = engine_radius / w.radius, distance = length(w.centre - f.eye) / w.radius;
   if (distance > farthest_radii - 1) throw input_error(w.name + ": camera is more than 99 radii away from the model's centre");
   const double near_z = std::max(0.99 * nearest_depth(w, f) / w.radius, nearest_radii) * engine_radius;
-  const lens view = make_lens(size, radians(camera.vertical_degrees), near_z);
+  lens view = make_lens(size, radians(camera.vertical_degrees), near_z);
+  view.skips_outside = camera.skips_outside;
   std::vector<vertex> corners;
   for (const world_face& face : w.faces) {
     corners.clear();

@@ -34,10 +34,13 @@ struct world {
   bool has_area() const;  // any face larger than the engine's smallest square; after measure()
 };
 
+struct viewpoint { vector3d eye, target; };  // world units
+
 struct camera_options {
   double yaw_degrees = 30, pitch_degrees = 20;  // where the camera stands: about the y axis from +z, and above the centre
   double distance_radii = 0;                    // from the centre, in radii; 0: so that the whole sphere is in the picture
   std::optional<vector3d> eye, target;          // in world units; both together replace the three above
+  bool skips_outside = true;                    // lens
   double vertical_degrees = 40;                 // angle of view of the picture's height, 10..150
 };
 

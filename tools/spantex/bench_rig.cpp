@@ -5,6 +5,7 @@
 
 #include <fstream>
 #include <memory>
+#include <optional>
 #include <random>
 #include <sstream>
 
@@ -38,7 +39,7 @@ struct rig_options {
   std::string rig, json_out, broken;
   bool simulated = false;
   int simulated_bits = 8;
-  double patience_s = -1;
+  std::optional<double> patience_s;
 
   void add_to(CLI::App& sub) {
     sub.add_option("--rig", rig, "rig file, JSON: chip, lines, limits");
@@ -91,6 +92,8 @@ struct connection {
 
   connection(const rig_options& o, sim::profile_choice p) {
     if (o.simulated == !o.rig.empty()) throw sim::input_error("bench-rig: give --rig FILE or --simulated, one of them");
+    constexpr double day_s = 86400;
+    if (o.patience_s && !(*o.patience_s >= 0 && *o.patience_s <= day_s)) throw sim::input_error("--patience: must be 0 to 86400 seconds");
     if (o.simulated_bits != 8 && o.simulated_bits != 4) throw sim::input_error("--data-bits: must be 8 or 4");
     if (!o.simulated && !o.broken.empty()) throw sim::input_error("--broken: goes with --simulated");
     if (o.simulated) {
@@ -105,7 +108,7 @@ struct connection {
       if (gpio->open() != status::ok) throw sim::input_error(gpio->trouble());
       lines = std::move(gpio);
     }
-    if (o.patience_s >= 0) rig.limits.patience_ns = uint64_t(o.patience_s * 1e9);
+    if (o.patience_s) rig.limits.patience_ns = uint64_t(*o.patience_s * 1e9);
   }
   ~connection() { lines->release_all(); }
   connection(const connection&) = delete;
@@ -157,6 +160,7 @@ void identify(const identify_options& o) {
     const bench::profile_fields f = bench::fields_of(numbers_of(named.value));
     if (std::equal(std::begin(f.value), std::end(f.value), std::begin(device.profile.value))) known = std::string(named.name);
   }
+  if (device.version != bench::protocol_version) c.give_up("protocol version " + std::to_string(device.version) + ", expected " + std::to_string(bench::protocol_version));
   printf("protocol        %d\nprofile         %s\nlocal memory    %d words a half\nburst           %d words\ncoefficients    %d bytes\n", device.version, known.c_str(),
          device.word_count, device.burst_words, device.coefficient_bytes);
   json j = json_of(device);

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include <CLI/CLI.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 #include <sim/draw_host.hpp>
 
@@ -28,10 +29,11 @@ void chessboard_experiment(const sim::scene& s, sim::draw_options how, const std
 
 // What --stats writes.
 std::string stats_help(const std::string& what);
+nlohmann::ordered_json work_json(const sim::draw_result& r);  // what was done and skipped, of the whole picture
 std::string stats_json(const sim::draw_result& r, const sim::draw_options& o, std::optional<double> psnr_db);
 
 // Draws with a progress bar.
-sim::draw_result draw_with_bar(const sim::scene& s, sim::draw_options o);
+sim::draw_result draw_with_bar(const sim::scene& s, sim::draw_options o, sim::frame_before* before = nullptr);
 // PSNR against the reference, with a progress bar.
 double reference_psnr_db(const sim::scene& s, const sim::image& picture, rgba8 background);
 

@@ -64,6 +64,7 @@ nlohmann::ordered_json to_json(const judged& j) {
           {"ns_per_pixel", j.ns_per_pixel},
           {"texel_reads_per_pixel", j.texel_reads},
           {"words_per_pixel", j.words},
+          {"stalls_per_pixel", j.stalls},
           {"pixels", j.machine.pixels},
           {"cycles", j.machine.total_cycles},
           {"stalls", j.machine.stall_cycles}};
@@ -173,8 +174,8 @@ void add_compare_command(CLI::App& app) {
   sub.add_option("--repeat", o->drawing.repeat, "time so often; the median counts")->needs(scenes)->capture_default_str();
   sub.add_option("--out", o->out, "folder for the pictures and the references; made if missing")->needs(scenes);
   sub.add_option("--json", o->json, "the table as JSON")->needs(scenes);
-  sub.footer("Table: against the 16x16 supersampled reference; texels and words (64 bits, into local memory) read per pixel; stalls: cycles per pixel that the "
-             "simulated pipeline waits for loading; ns per pixel of engine direct on this machine, one thread.");
+  sub.footer("Table: against the 16x16 supersampled reference; texels and words (64 bits, into local memory) read per pixel; stalls: cycles per pixel in which the "
+             "simulated pipeline waits for loading or for pixels that the host writes itself; ns per pixel of engine direct on this machine, one thread.");
   sub.callback([o] { run(*o); });
 }
 

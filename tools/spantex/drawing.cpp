@@ -15,8 +15,42 @@ std::string stats_help(const std::string& what) {
   return what + "; engine sim with threads: 'machines' engines, 'cycles' of the one that took longest, 'cycles_of_all_machines' and all other counts summed over them";
 }
 
-std::string stats_json(const sim::draw_result& r, const sim::draw_options& o, std::optional<double> psnr_db) {
+nlohmann::ordered_json work_json(const sim::draw_result& r) {
   const draw_counters& w = r.work;
+  const skip_counters& k = r.skipped;
+  nlohmann::ordered_json j;
+  j["spans_total"] = w.spans_total;
+  j["spans_skipped"] = {{"empty", w.spans_empty}, {"behind", w.spans_behind}, {"hidden", w.spans_hidden}};
+  j["jobs"] = w.jobs;
+  j["corrected_jobs"] = w.corrected_jobs;
+  j["pixels"] = w.pixels;
+  j["words_loaded"] = w.words_loaded;
+  j["words_read"] = w.words_read;
+  j["blocks_decoded"] = r.blocks_decoded;
+  j["loads_skipped"] = w.loads_skipped;
+  j["divides"] = w.divides;
+  j["evaluations"] = {{"constant", k.jobs_constant}, {"affine", w.affine_jobs}, {"series", w.series_jobs}, {"divide", w.divide_jobs}};
+  j["second_levels_skipped"] = w.second_levels_skipped;
+  j["pixels_left"] = w.pixels_left;
+  j["pixels_blended"] = w.pixels_blended;
+  // By the names of --no-skip, beside those that have counts of their own above; cull by --cull.
+  j["skipped"] = {{"outside", {{"polygons", r.polygons_outside}, {"spans", k.spans_outside}}},
+                  {"cull", {{"polygons", r.polygons_culled}}},
+                  {"floors", {{"spans", k.spans_below_floor}}},
+                  {"other-half", {{"jobs", k.loads_in_other_half}}},
+                  {"constant", {{"spans", k.spans_constant}, {"pixels", k.pixels_constant}}},
+                  {"uniform", {{"jobs", k.jobs_uniform}}},
+                  {"one-texel", {{"jobs", k.jobs_one_texel}}},
+                  {"copy", {{"jobs", k.jobs_copied}}},
+                  {"opaque", {{"pixels", k.pixels_opaque}}},
+                  {"transparent", {{"jobs", k.jobs_transparent}}},
+                  {"levels", {{"levels", r.levels_left_out}}},
+                  {"unchanged", {{"spans", r.spans_unchanged}}},
+                  {"pixels_written", k.pixels_written}};
+  return j;
+}
+
+std::string stats_json(const sim::draw_result& r, const sim::draw_options& o, std::optional<double> psnr_db) {
   nlohmann::ordered_json j;
   j["profile"] = std::string(sim::name_of(sim::profile_names, o.profile));
   j["filter"] = std::string(sim::name_of(sim::filter_names, o.kind));
@@ -31,19 +65,7 @@ std::string stats_json(const sim::draw_result& r, const sim::draw_options& o, st
   j["width"] = r.picture.width_px;
   j["height"] = r.picture.height_px;
   j["ns_per_pixel"] = r.ns_per_pixel;
-  j["spans_total"] = w.spans_total;
-  j["spans_skipped"] = {{"empty", w.spans_empty}, {"behind", w.spans_behind}, {"hidden", w.spans_hidden}};
-  j["jobs"] = w.jobs;
-  j["corrected_jobs"] = w.corrected_jobs;
-  j["pixels"] = w.pixels;
-  j["words_loaded"] = w.words_loaded;
-  j["words_read"] = w.words_read;
-  j["loads_skipped"] = w.loads_skipped;
-  j["divides"] = w.divides;
-  j["evaluations"] = {{"affine", w.affine_jobs}, {"series", w.series_jobs}, {"divide", w.divide_jobs}};
-  j["second_levels_skipped"] = w.second_levels_skipped;
-  j["pixels_left"] = w.pixels_left;
-  j["pixels_blended"] = w.pixels_blended;
+  j.update(work_json(r));
   if (o.engine == sim::engine_choice::simulated) {
     const sim::counters& m = r.machine;
     j["machines"] = r.machines;
@@ -62,10 +84,10 @@ std::string stats_json(const sim::draw_result& r, const sim::draw_options& o, st
   return j.dump(2) + "\n";
 }
 
-sim::draw_result draw_with_bar(const sim::scene& s, sim::draw_options o) {
+sim::draw_result draw_with_bar(const sim::scene& s, sim::draw_options o, sim::frame_before* before) {
   progress_bar bar("drawing " + s.name, sim::draw_parts(s, o));
   o.parts_done = bar.callback();
-  return sim::draw(s, o);
+  return sim::draw(s, o, before);
 }
 
 double reference_psnr_db(const sim::scene& s, const sim::image& picture, rgba8 background) {

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The command. Exit code 0 on success, 1 where a check found what it looks for, 2 on bad usage or bad input, with one line on stderr that
 // says what and why.
+#include <errno.h>
 #include <stdio.h>
+#include <string.h>
 
 #include <algorithm>
 #include <exception>
@@ -10,6 +12,7 @@
 #include <vector>
 
 #include <sim/file.hpp>
+#include <spantex/version.h>
 #include "commands.hpp"
 #include "options.hpp"
 
@@ -34,6 +37,7 @@ std::vector<std::string> subcommand_names(const CLI::App& app) {
 int main(int argc, char** argv) {
   CLI::App app("Fixed-point texture mapping in spans of 8x8 pixels", "spantex");
   app.require_subcommand(1);
+  app.set_version_flag("--version", "spantex " SPANTEX_VERSION);
   spantex::tool::add_plane_command(app);
   spantex::tool::add_render_command(app);
   spantex::tool::add_texture_command(app);
@@ -51,11 +55,12 @@ int main(int argc, char** argv) {
   const std::string first = argc > 1 ? argv[1] : "";
   const std::string known = " (known: " + spantex::tool::joined(names) + ")";
   if (first.empty()) return refuse("a subcommand is needed" + known);
-  if (first[0] == '-' && first != "-h" && first != "--help") return refuse("unknown option '" + first + "' before a subcommand" + known);
+  if (first[0] == '-' && first != "-h" && first != "--help" && first != "--version") return refuse("unknown option '" + first + "' before a subcommand" + known);
   if (first[0] != '-' && std::find(names.begin(), names.end(), first) == names.end())
     return refuse("unknown subcommand '" + first + "'" + known);
   try {
     app.parse(argc, argv);
+    if (fflush(stdout) != 0 || ferror(stdout) != 0) return refuse(std::string("standard output: cannot write: ") + strerror(errno));
     return 0;
   } catch (const CLI::RuntimeError& e) {  // a subcommand's own verdict, already told
     return e.get_exit_code();

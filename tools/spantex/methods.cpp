@@ -61,7 +61,7 @@ judged bench::judge(const method& m) const {
   const auto unless_contours = [&](double x) { return contours ? std::numeric_limits<double>::quiet_NaN() : x; };
   judged j{scene_.name, m, {}, unless_contours(sim::psnr_db(direct.picture, reference_)), unless_contours(sim::ssim(direct.picture, rounded_)),
            unless_contours(sim::worst_error(direct.picture, reference_)), direct.ns_per_pixel, double(direct.machine.texel_reads) / pixels,
-           double(direct.work.words_loaded) / pixels, direct.machine};
+           double(direct.work.words_loaded) / pixels, double(direct.machine.stall_cycles) / pixels, direct.machine};
   j.picture = std::move(direct.picture);
   return j;
 }
@@ -77,7 +77,7 @@ std::string table_line(const judged& j) {
   char line[200];
   const std::string kind = label_of(j.how), profile(sim::name_of(sim::profile_names, j.how.profile));
   snprintf(line, sizeof line, "%-10s  %-24s  %-7s  %7.2f  %6.4f  %5.0f  %8.2f  %6.2f  %8.3f  %8.1f", j.scene.c_str(), kind.c_str(), profile.c_str(), j.psnr_db,
-           j.ssim, j.worst, j.texel_reads, j.words, double(j.machine.stall_cycles) / double(std::max<uint64_t>(1, j.machine.pixels)), j.ns_per_pixel);
+           j.ssim, j.worst, j.texel_reads, j.words, j.stalls, j.ns_per_pixel);
   return line;
 }
 

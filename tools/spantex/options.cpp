@@ -3,7 +3,9 @@
 
 #include <errno.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -167,6 +169,9 @@ void drawing_options::add_to(CLI::App& app, bool with_engine) {
   app.add_option("--kernel", kernel, "who draws planes in profile default, the bytes are the same: " + list_of(sim::kernel_names))->capture_default_str();
   app.add_option("--threads", threads, "threads, each with its own engine")->capture_default_str();
   app.add_option("--repeat", repeat, "draw so often; times are medians")->capture_default_str();
+  app.add_option("--cull", culled, "polygons left out by how their corners run on the screen: " + list_of(sim::cull_names) + " (clockwise: the backs of closed models)")->capture_default_str();
+  app.add_option("--skip", skip, "one that is off unless asked for: other-half (words of a section that the other half holds, for its time)");
+  app.add_option("--no-skip", no_skip, "the picture is the same: work that the engine skips and now does, NAME[,NAME...] of " + list_of(sim::skip_names) + ", levels, unchanged, all");
 }
 
 void check_changes(const sim::profile_changes& c, filter kind) {
@@ -187,6 +192,25 @@ shading parse_alpha(const std::string& text) {
   if (!all_digits(parts[1]) || atoi(parts[1].c_str()) > 255) throw input_error("--alpha: '" + text + "': threshold outside 0..255");
   how.threshold = uint8_t(atoi(parts[1].c_str()));
   return how;
+}
+
+skip_choice parse_no_skip(const std::string& text) {
+  skip_choice kept;
+  if (text.empty()) return kept;
+  for (const std::string& name : split(text, ',')) {
+    if (name == "all") kept = {0, false, false};
+    else if (name == "levels") kept.levels = false;
+    else if (name == "unchanged") kept.unchanged = false;
+    else if (const auto* const found = std::find_if(sim::skip_names.begin(), sim::skip_names.end(), [&](const auto& n) { return n.name == name; }); found != sim::skip_names.end())
+      kept.drawing &= ~only(found->value);
+    else throw input_error("--no-skip: unknown skip '" + name + "' (known: " + list_of(sim::skip_names) + ", levels, unchanged, all)");
+  }
+  return kept;
+}
+
+skip_set parse_skip(const std::string& text) {
+  if (!text.empty() && text != "other-half") throw input_error("--skip: unknown skip '" + text + "' (known: other-half)");
+  return text.empty() ? 0 : only(spantex::skip::other_half);
 }
 
 void make_folder(const std::string& path) {
@@ -213,6 +237,7 @@ void drawing_options::parse_contour(sim::draw_options& o) const {
 void refuse_reference(const sim::draw_options& o) {
   if (o.how.alpha != alpha_mode::opaque || o.kind == filter::contour)
     throw input_error("--psnr: the reference is opaque: not with --alpha or filter contour");
+  if (o.culled != sim::cull::none) throw input_error("--psnr: the reference draws every polygon: not with --cull");
 }
 
 sim::draw_options drawing_options::resolve() const {
@@ -240,6 +265,8 @@ sim::draw_options drawing_options::resolve() const {
   }
   o.background = parse_colour(background);
   o.how = parse_alpha(alpha);
+  o.culled = value_of(sim::cull_names, culled, "winding");
+  o.skips = parse_no_skip(no_skip).drawing | parse_skip(skip);
   parse_contour(o);
   const bool plain = o.how.alpha == alpha_mode::opaque && !srgb && o.kind != filter::contour;
   if (o.space == sim::sampling_space::object && !plain)
@@ -255,7 +282,7 @@ sim::draw_options drawing_options::resolve() const {
 sim::texture_map load_map(const std::string& path, const drawing_options& d) {
   sim::bytes data = sim::read_file(path);
   if (!sim::is_pack(data) && !path.ends_with(".stx"))
-    return {sim::decode_image(data.data(), data.size(), path), d.level_filter(), d.wrap_mode(), d.wrap_mode(), d.texels(), d.colours()};
+    return {sim::decode_image(data.data(), data.size(), path), d.level_filter(), d.wrap_mode(), d.wrap_mode(), d.texels(), d.colours(), d.most_levels(), d.making()};
   if (d.wrap_given()) throw input_error("--wrap: " + path + " has its own wrap modes; give them when it is compiled");
   if (d.prefilter_given()) throw input_error("--prefilter: " + path + " has its levels; give it when it is compiled");
   if (d.format_given()) throw input_error("--format: " + path + " has its format; give it when it is compiled");
@@ -265,7 +292,7 @@ sim::texture_map load_map(const std::string& path, const drawing_options& d) {
 }
 
 void subject_options::add_to(CLI::App& app, bool with_matrix) {
-  const std::string scenes = "a scene (" + joined(sim::scene_names()) + ") or a model file of any format that assimp reads";
+  const std::string scenes = "a scene (" + joined(sim::scene_names()) + "), a model file of any format that assimp reads, or a Quake III level (.bsp, .pk3)";
   CLI::Option* const what = app.add_option("subject", subject, scenes)->type_name("MODEL|SCENE");
   app.add_option("--texture", texture, "map of a plane, a picture or a texture pack, instead of a built-in one");
   app.add_option("--size", size, "picture size, WxH")->capture_default_str();
@@ -273,6 +300,8 @@ void subject_options::add_to(CLI::App& app, bool with_matrix) {
   app.add_option("--eye", eye, "x,y,z of the camera, with --target");
   app.add_option("--target", target, "x,y,z that the camera looks at, with --eye");
   fov_given_ = app.add_option("--fov", fov_degrees, "angle of view of the picture's height, degrees")->capture_default_str();
+  app.add_option("--map", map, "which level of a .pk3 archive");
+  app.add_option("--order", order, "polygons as in the file, or nearest first: file, nearest; levels are drawn nearest first");
   if (with_matrix) app.add_option("--matrix", matrix, "instead of a scene: a plane, A,B,C,D,E,F,G,H,I")->excludes(what);
   else what->required();
 }
@@ -284,6 +313,9 @@ void subject_options::check_consistent() const {
                                                 {"--fov", fov_given_ != nullptr && fov_given_->count() > 0}};
   for (const auto& [option, given] : views)
     if (scene && given) throw input_error(std::string(option) + ": " + what + " has its own view; only models take a camera");
+  if (!map.empty() && !sim::is_level(subject)) throw input_error("--map: " + what + " is no archive of levels");
+  if (!order.empty() && order != "file" && order != "nearest") throw input_error("--order: '" + order + "' is neither file nor nearest");
+  if (!order.empty() && plane) throw input_error("--order: " + what + " is one surface");
   if (!texture.empty() && !plane) throw input_error("--texture: " + what + " has its own maps; only a plane takes a texture");
 }
 
@@ -293,21 +325,45 @@ subject_options::loaded::loaded(const subject_options& o, const drawing_options&
   request_.wrap_u = request_.wrap_v = d.wrap_mode();
   request_.format = d.texels();
   request_.colours = d.colours();
+  request_.most_levels = d.most_levels();
+  request_.making = d.making();
   if (o.matrix.empty() && o.subject.empty()) throw input_error("nothing to draw: name a scene or model, or give --matrix");
   o.check_consistent();
+  nearest_first_ = o.order.empty() ? sim::is_level(name_) : o.order == "nearest";
   if (!o.matrix.empty()) matrix_ = parse_matrix(o.matrix, request_.size);
   if (!o.texture.empty()) {
     sim::map_list maps;
     maps.push_back(load_map(o.texture, d));
     request_.maps = std::make_shared<const sim::map_list>(std::move(maps));
   }
+  camera_.skips_outside = (parse_no_skip(d.no_skip).drawing & only(skip::outside)) != 0;
   if (matrix_ || sim::is_scene_name(name_)) return;
   std::error_code ignored;
   if (!std::filesystem::exists(name_, ignored))
     throw input_error(name_ + ": no such model file or scene (known scenes: " + joined(sim::scene_names()) + ")");
-  sim::model_options wanted{request_.levels, {}, {}, request_.format, request_.colours};
+  sim::model_options wanted{request_.levels, {}, {}, request_.format, request_.colours, request_.most_levels, request_.making};
   if (d.wrap_given()) wanted.wrap_u = wanted.wrap_v = request_.wrap_u;
-  world_ = sim::load_model(name_, wanted);
+  if (!sim::is_level(name_)) {
+    world_ = std::make_shared<const sim::world>(sim::load_model(name_, wanted));
+    return;
+  }
+  level_ = std::make_shared<const sim::level>(sim::load_level(name_, o.map, wanted));
+  if (!level_->missing.empty() && isatty(STDERR_FILENO) != 0)
+    fprintf(stderr, "%s: %zu textures without a picture are grey\n", level_->drawn.name.c_str(), level_->missing.size());
+  walks_ = o.camera.empty() && !camera_.eye;
+  world_ = std::shared_ptr<const sim::world>(level_, &level_->drawn);
+}
+
+sim::scene subject_options::loaded::ordered(sim::scene s) const {
+  if (nearest_first_ && s.uses_depth()) sim::nearest_first(s);
+  return s;
+}
+
+sim::scene subject_options::loaded::seen_from(const sim::viewpoint& v) const {
+  sim::camera_options c = camera_;
+  c.eye = v.eye;
+  c.target = v.target;
+  return ordered(sim::look_at(*world_, c, request_.size));
 }
 
 sim::scene subject_options::loaded::at(double turn_degrees) const {
@@ -316,14 +372,15 @@ sim::scene subject_options::loaded::at(double turn_degrees) const {
     sim::add_plane(s, *matrix_, 0);
     return s;
   }
+  if (walks_) return seen_from(walk(1).front());
   if (world_) {
     sim::camera_options c = camera_;
     c.yaw_degrees += turn_degrees;
-    return sim::look_at(*world_, c, request_.size);
+    return ordered(sim::look_at(*world_, c, request_.size));
   }
   sim::scene_request turned = request_;
   turned.turn_degrees = turn_degrees;
-  return sim::make_named_scene(name_, turned);
+  return ordered(sim::make_named_scene(name_, turned));
 }
 
 }  // namespace spantex::tool

@@ -3,6 +3,7 @@
 // line that names the option or file and the reason.
 #pragma once
 #include <array>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,6 +13,7 @@
 #include <sim/draw_host.hpp>
 #include <sim/figures.hpp>
 #include <sim/file.hpp>
+#include <sim/level.hpp>
 #include <sim/world.hpp>
 
 namespace spantex::tool {
@@ -41,6 +43,14 @@ rgba8 parse_colour(const std::string& text);
 // A number within limits, in 1/parts, to nearest.
 int parse_parts(const std::string& text, const char* option, double low, double high, int parts);
 shading parse_alpha(const std::string& text);
+// What is left of all skips without those named, by commas; "all" names every one. Beside the draw layer's: levels of a map that the filter does not ask for
+// are not made, and spans that show what they showed in the frame before are not drawn.
+struct skip_choice {
+  skip_set drawing = usual_skips;
+  bool levels = true, unchanged = true;
+};
+skip_choice parse_no_skip(const std::string& text);
+skip_set parse_skip(const std::string& text);  // more than the usual ones: "" or "other-half"
 // What --psnr has no reference for.
 void refuse_reference(const sim::draw_options& o);
 
@@ -65,7 +75,7 @@ struct drawing_options {
   std::string kernel = "fastest";
   int threads = 1, repeat = 1;
   bool single_half = false, srgb = false;
-  std::string alpha = "opaque";
+  std::string alpha = "opaque", culled = "none", no_skip, skip;
   std::optional<std::string> level;
   std::optional<int> samples, slack, bias;
   std::optional<std::string> outline, threshold, field_scale;
@@ -76,6 +86,8 @@ struct drawing_options {
   spantex::wrap wrap_mode() const { return value_of(sim::wrap_names, wrap, "wrap mode"); }
   colour_space colours() const { return srgb ? colour_space::srgb : colour_space::coded; }
   texel_format texels() const { return value_of(sim::format_names, format, "format"); }
+  int most_levels() const { return parse_no_skip(no_skip).levels && !uses_levels(value_of(sim::filter_names, filter, "filter")) ? 1 : 0; }  // 0: all
+  sim::level_making making() const { return parse_no_skip(no_skip).levels ? sim::level_making::on_demand : sim::level_making::at_once; }
   sim::prefilter level_filter() const { return value_of(sim::prefilter_names, prefilter, "prefilter"); }
 
  private:
@@ -92,7 +104,7 @@ sim::texture_map load_map(const std::string& path, const drawing_options& d);
 
 // What is drawn: a model, a scene by name, or (matrix given) a plane.
 struct subject_options {
-  std::string subject, size = "640x480", texture, matrix, camera, eye, target;
+  std::string subject, size = "640x480", texture, matrix, camera, eye, target, map, order;
   double fov_degrees = 40;
 
   void add_to(CLI::App& app, bool with_matrix);
@@ -105,13 +117,22 @@ struct subject_options {
     sim::scene at(double turn_degrees) const;
     // False where the turn changes nothing: a plane from coefficients, or a camera fixed by --eye and --target.
     bool turns() const { return !matrix_ && !sim::named_plane(name_) && !camera_.eye; }
+    // A level without a camera of its own: frames are a walk, not a turntable. Seen from its first place where one frame is asked for.
+    bool walks() const { return walks_; }
+    bool is_model() const { return world_ != nullptr; }
+    sim::scene seen_from(const sim::viewpoint& v) const;
+    std::vector<sim::viewpoint> walk(int frames) const { return sim::tour(*level_, frames); }
 
    private:
     sim::scene_request request_;
     std::string name_;
     std::optional<sim::matrix> matrix_;
-    std::optional<sim::world> world_;
+    sim::scene ordered(sim::scene s) const;
+
+    std::shared_ptr<const sim::level> level_;
+    std::shared_ptr<const sim::world> world_;  // a model's or the level's
     sim::camera_options camera_;
+    bool walks_ = false, nearest_first_ = false;
   };
 
  private:

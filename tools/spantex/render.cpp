@@ -2,12 +2,16 @@
 // spantex render: a model or a scene by name, one picture or a turntable of them.
 #include <stdio.h>
 
+#include <chrono>
 #include <memory>
 #include <optional>
 #include <vector>
 
+#include <nlohmann/json.hpp>
+
 #include <sim/quality.hpp>
 #include <sim/reference.hpp>
+#include <sim/unchanged.hpp>
 #include "commands.hpp"
 #include "options.hpp"
 
@@ -19,7 +23,7 @@ constexpr int most_frames = 9999;
 struct render_options {
   drawing_options drawing;
   subject_options subject;
-  std::string out, stats, reference;
+  std::string out, stats, reference, path;
   std::optional<int> frames;
   bool psnr = false;
 };
@@ -37,12 +41,49 @@ std::string frame_name(const std::string& pattern, int frame) {
   return pattern.substr(0, percent) + number + pattern.substr(letter + 1);
 }
 
+// A view a line: x,y,z of the eye and of what it looks at; lines that begin with # and empty ones say nothing.
+std::vector<sim::viewpoint> read_path(const std::string& file) {
+  const sim::bytes data = sim::read_file(file);
+  std::vector<sim::viewpoint> views;
+  int line = 0;
+  for (const std::string& text : split({data.begin(), data.end()}, '\n')) {
+    ++line;
+    if (text.empty() || text[0] == '#') continue;
+    const std::vector<double> n = parse_numbers(text, 6, file + ": line " + std::to_string(line));
+    views.push_back({{n[0], n[1], n[2]}, {n[3], n[4], n[5]}});
+  }
+  if (views.empty() || views.size() > size_t(most_frames)) throw sim::input_error(file + ": " + std::to_string(views.size()) + " views, not 1.." + std::to_string(most_frames));
+  return views;
+}
+
+// Views of a walk or a path; none where the camera is the subject's or turns around it.
+std::vector<sim::viewpoint> views_of(const render_options& o, const subject_options::loaded& subject, int frames) {
+  if (!o.path.empty()) return read_path(o.path);
+  return subject.walks() ? subject.walk(frames) : std::vector<sim::viewpoint>();
+}
+
+nlohmann::ordered_json frame_json(const sim::scene& s, const sim::draw_result& r, double set_up_ns) {
+  nlohmann::ordered_json j;
+  j["draw_ns"] = r.ns_per_pixel * double(r.picture.pixels.size());
+  j["set_up_ns"] = set_up_ns;
+  j["polygons"] = s.items.size();
+  if (s.uses_depth()) {
+    const sim::overdraw over = sim::overdraw_of(s);
+    j["pixels_tested"] = over.pixels_tested;
+    j["pixels_shown"] = over.pixels_shown;
+  }
+  j.update(work_json(r));
+  return j;
+}
+
 std::vector<sim::output_file> outputs(const render_options& o) {
   check_outputs_differ({{"--out", o.out}, {"--stats", o.stats}, {"--reference", o.reference}});
-  if (!o.frames) return {sim::output_file(o.out)};
-  if (*o.frames < 1 || *o.frames > most_frames) throw sim::input_error("--frames: outside 1.." + std::to_string(most_frames));
+  if (!o.path.empty() && (o.frames || !o.subject.camera.empty() || !o.subject.eye.empty())) throw sim::input_error("--path: has frames and cameras of its own");
+  const int frames = o.path.empty() ? o.frames.value_or(0) : int(read_path(o.path).size());
+  if (!o.frames && o.path.empty()) return {sim::output_file(o.out)};
+  if (o.path.empty() && (*o.frames < 1 || *o.frames > most_frames)) throw sim::input_error("--frames: outside 1.." + std::to_string(most_frames));
   std::vector<sim::output_file> files;
-  for (int k = 0; k < *o.frames; ++k) {
+  for (int k = 0; k < frames; ++k) {
     const std::string name = frame_name(o.out, k);
     check_outputs_differ({{"--out", name}, {"--stats", o.stats}});
     files.emplace_back(name);
@@ -57,22 +98,31 @@ void run(const render_options& o) {
   const std::vector<sim::output_file> files = outputs(o);
   const sim::output_file stats = o.stats.empty() ? sim::output_file() : sim::output_file(o.stats);
   const subject_options::loaded subject(o.subject, o.drawing);
-  if (files.size() > 1 && !subject.turns())
+  if (!o.path.empty() && !subject.is_model()) throw sim::input_error("--path: '" + o.subject.subject + "' has its own view; only models and levels take a camera");
+  if (o.path.empty() && files.size() > 1 && !subject.turns())
     throw sim::input_error("--frames: the view of '" + o.subject.subject + "' is fixed, every frame equal");
   const sim::output_file reference = o.reference.empty() ? sim::output_file() : sim::output_file(o.reference);
-  std::string report;
+  const std::vector<sim::viewpoint> views = views_of(o, subject, int(files.size()));
+  const auto scene_of = [&](size_t k) { return views.empty() ? subject.at(360.0 * double(k) / double(files.size())) : subject.seen_from(views[k]); };
+  nlohmann::ordered_json report, frames;
+  sim::frame_before before;
+  const bool keeps = files.size() > 1 && parse_no_skip(o.drawing.no_skip).unchanged;
   for (size_t k = 0; k < files.size(); ++k) {
-    const sim::scene s = subject.at(360.0 * double(k) / double(files.size()));
-    const sim::draw_result r = draw_with_bar(s, drawing);
+    const auto begun = std::chrono::steady_clock::now();
+    const sim::scene s = scene_of(k);
+    const double set_up_ns = std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now() - begun).count();
+    const sim::draw_result r = draw_with_bar(s, drawing, keeps ? &before : nullptr);
     std::optional<double> psnr_db;
     if (o.psnr) psnr_db = reference_psnr_db(s, r.picture, drawing.background);
-    if (k == 0) report = stats_json(r, drawing, psnr_db);
+    if (k == 0) report = nlohmann::ordered_json::parse(stats_json(r, drawing, psnr_db));
+    if (stats.wanted() && files.size() > 1) frames.push_back(frame_json(s, r, set_up_ns));
     files[k].write(sim::encode_png(r.picture));
     if (psnr_db) printf("%s: PSNR against the reference: %.2f dB\n", files[k].path().c_str(), *psnr_db);
   }
-  if (stats.wanted()) stats.write(report);
+  if (!frames.empty()) report["frames"] = frames;
+  if (stats.wanted()) stats.write(report.dump(2) + "\n");
   if (reference.wanted())
-    reference.write(sim::encode_png(sim::rounded(sim::render_reference(subject.at(0), drawing.background, sim::hardware_threads()))));
+    reference.write(sim::encode_png(sim::rounded(sim::render_reference(scene_of(0), drawing.background, sim::hardware_threads()))));
 }
 
 }  // namespace
@@ -82,9 +132,10 @@ void add_render_command(CLI::App& app) {
   CLI::App& sub = *app.add_subcommand("render", "draw a model with its own textures, or a scene by name");
   o->subject.add_to(sub, false);
   sub.add_option("--out", o->out, "the picture, PNG; with --frames a pattern such as O-%04d.png")->required();
-  sub.add_option("--frames", o->frames, "a turntable of so many pictures, the camera turned once around");
+  sub.add_option("--frames", o->frames, "so many pictures: of a level a walk through it, else a turntable, the camera turned once around");
+  sub.add_option("--path", o->path, "a file of cameras, a frame a line: x,y,z of the eye, x,y,z of what it looks at");
   o->drawing.add_to(sub, true);
-  sub.add_option("--stats", o->stats, stats_help("counts and times (of the first frame) as JSON"));
+  sub.add_option("--stats", o->stats, stats_help("counts and times (of the first frame; where there are more, of each under 'frames') as JSON"));
   sub.add_option("--reference", o->reference, "the reference's own picture (of the first frame), PNG");
   sub.add_flag("--psnr", o->psnr, "compare with the 16x16 supersampled double-precision reference");
   sub.callback([o] { run(*o); });

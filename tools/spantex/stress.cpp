@@ -3,6 +3,7 @@
 // against its bound, with what reproduces it; exit code 1 if a bound was broken or the run missed what it is for.
 #include <stdio.h>
 
+#include <charconv>
 #include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -14,10 +15,10 @@
 namespace spantex::tool {
 namespace {
 
+constexpr uint64_t most_evaluations = 1'000'000'000'000'000;
+
 struct stress_arguments {
-  std::string profile = "exact", family, case_seed, json;
-  uint64_t evaluations = 10'000'000, seed = 1;
-  double seconds = 0;
+  std::string profile = "exact", family, case_seed, json, evaluations = "10000000", seed = "1", seconds = "0";
   int threads = 1;
 };
 
@@ -45,14 +46,11 @@ sim::stress_family family_of(const std::string& name) {
   throw sim::input_error("unknown family '" + name + "' (known: " + known + ")");
 }
 
-uint64_t case_number(const std::string& text) {
-  size_t used = 0;
+uint64_t whole_number(const char* option, const std::string& text) {
   uint64_t number = 0;
-  try {
-    number = std::stoull(text, &used);
-  } catch (const std::exception&) {
-  }
-  if (used == 0 || used != text.size()) throw sim::input_error("--case '" + text + "': not a whole number");
+  const char* const end = text.data() + text.size();
+  const auto [rest, error] = std::from_chars(text.data(), end, number);
+  if (error != std::errc() || rest != end) throw sim::input_error(std::string(option) + ": '" + text + "' is not a whole number from 0 to 2^64 - 1");
   return number;
 }
 
@@ -93,7 +91,7 @@ nlohmann::json to_json(const stress_arguments& a, const sim::stress_report& r) {
                         {"failed_cases", row.failed_cases},
                         {"stages", stages}});
   }
-  return {{"profile", a.profile}, {"seed", a.seed}, {"complete", r.complete}, {"families", families}, {"shortfalls", sim::shortfalls(r)},
+  return {{"profile", a.profile}, {"seed", whole_number("--seed", a.seed)}, {"complete", r.complete}, {"families", families}, {"shortfalls", sim::shortfalls(r)},
           {"nearest_undecided", sim::undecided_share(r)}};
 }
 
@@ -126,7 +124,7 @@ void print_families(const sim::stress_report& r) {
 }
 
 void print_table(const stress_arguments& a, const profile& p, const sim::stress_report& r) {
-  printf("profile %s, seed %llu; one case again: spantex stress --profile %s --family F --case N\n", a.profile.c_str(), number(a.seed),
+  printf("profile %s, seed %s; one case again: spantex stress --profile %s --family F --case N\n", a.profile.c_str(), a.seed.c_str(),
          a.profile.c_str());
   print_stages(p, r);
   printf("bound: for the longest reach; worst: the largest part of the bound of its own place that an error is\n");
@@ -140,14 +138,17 @@ void print_table(const stress_arguments& a, const profile& p, const sim::stress_
 int run(const stress_arguments& a) {
   const profile p = profile_of(a.profile);
   if (!a.case_seed.empty()) {
-    if (a.family.empty()) throw sim::input_error("--case needs --family");
-    const std::string text = sim::describe_case(p, family_of(a.family), case_number(a.case_seed));
+    const std::string text = sim::describe_case(p, family_of(a.family), whole_number("--case", a.case_seed));
     fputs(text.c_str(), stdout);
     return text.find("FAILS") == std::string::npos ? 0 : 1;
   }
   if (a.threads < 1 || a.threads > 256) throw sim::input_error("--threads " + std::to_string(a.threads) + ": 1 to 256");
+  const uint64_t evaluations = whole_number("--evaluations", a.evaluations), seed = whole_number("--seed", a.seed);
+  const double seconds = parse_number(a.seconds, "--seconds");
+  if (evaluations == 0 || evaluations > most_evaluations) throw sim::input_error("--evaluations " + a.evaluations + ": 1 to 10^15");
+  if (seconds < 0) throw sim::input_error("--seconds " + a.seconds + ": is negative");
   const sim::output_file json = a.json.empty() ? sim::output_file() : sim::output_file(a.json);
-  sim::stress_options o{a.evaluations, a.seed, a.seconds, a.threads, {}};
+  sim::stress_options o{evaluations, seed, seconds, a.threads, {}};
   if (!a.family.empty()) o.families = {family_of(a.family)};
   const sim::stress_report r = sim::run_stress(p, o);
   print_table(a, p, r);
@@ -173,13 +174,15 @@ void add_stress_command(CLI::App& app) {
   const auto a = std::make_shared<stress_arguments>();
   CLI::App& sub = *app.add_subcommand("stress", "every stage of the numerics against exact arithmetic; exit code 1 if a bound breaks");
   sub.add_option("--profile", a->profile, "seed, compact, default, exact")->capture_default_str();
-  sub.add_option("--evaluations", a->evaluations, "texture coordinates to evaluate")->capture_default_str();
-  sub.add_option("--seed", a->seed, "of the whole run")->capture_default_str();
-  sub.add_option("--seconds", a->seconds, "stop after this time (0: no limit)")->capture_default_str();
-  sub.add_option("--threads", a->threads, "1 to 256; the cases do not depend on it")->capture_default_str();
-  sub.add_option("--family", a->family, "one family of cases only");
-  sub.add_option("--case", a->case_seed, "one case, described, and shrunk if it fails; needs --family");
-  sub.add_option("--json", a->json, "the table as JSON");
+  CLI::Option* const of_a_run[] = {
+      sub.add_option("--evaluations", a->evaluations, "texture coordinates to evaluate")->capture_default_str(),
+      sub.add_option("--seed", a->seed, "of the whole run")->capture_default_str(),
+      sub.add_option("--seconds", a->seconds, "stop after this time (0: no limit)")->capture_default_str(),
+      sub.add_option("--threads", a->threads, "1 to 256; the cases do not depend on it")->capture_default_str(),
+      sub.add_option("--json", a->json, "the table as JSON")};
+  CLI::Option* const family = sub.add_option("--family", a->family, "one family of cases only");
+  CLI::Option* const one_case = sub.add_option("--case", a->case_seed, "one case, described, and shrunk if it fails")->needs(family);
+  for (CLI::Option* const o : of_a_run) one_case->excludes(o);
   sub.callback([a] {
     if (const int code = run(*a); code != 0) throw CLI::RuntimeError(code);
   });

@@ -21,7 +21,7 @@ struct sweep_options {
   std::string spec, out, job = "1/1", pictures;
   std::vector<std::string> merge;
   int threads = 1;
-  bool count = false;
+  bool count = false, points = false;
 };
 
 // Every count-th point from the first-th on.
@@ -71,14 +71,21 @@ void draw_points(const sweep_options& o, const sweep_spec& spec, share_of_points
   }
 }
 
+// What each point is, without judging it: the record's columns up to the measures.
+void list_points(const sweep_spec& spec, share_of_points share) {
+  printf("%s\n", point_heading().c_str());
+  for (uint64_t number = share.first; number < spec.points(); number += share.count) printf("%s\n", point_columns(spec, number, spec.at(number)).c_str());
+}
+
 void run(const sweep_options& o) {
   const share_of_points share = parse_job(o.job);
   if (o.threads < 1 || o.threads > 256) throw sim::input_error("--threads: must be 1 to 256");
-  const int tasks = int(o.count) + int(!o.pictures.empty()) + int(!o.out.empty());
-  if (tasks != 1) throw sim::input_error("sweep: one of --out, --pictures and --count is needed");
+  const int tasks = int(o.count) + int(o.points) + int(!o.pictures.empty()) + int(!o.out.empty());
+  if (tasks != 1) throw sim::input_error("sweep: one of --out, --pictures, --points and --count is needed");
   if (!o.merge.empty() && o.out.empty()) throw sim::input_error("--merge: needs --out");
   const sweep_spec spec = sweep_spec::load(o.spec);
   if (o.count) printf("%llu\n", static_cast<unsigned long long>(spec.points()));
+  else if (o.points) list_points(spec, share);
   else if (!o.merge.empty()) merge_records(spec, o.merge, o.out);
   else if (!o.pictures.empty()) draw_points(o, spec, share);
   else judge_points(o, spec, share);
@@ -95,6 +102,7 @@ void add_sweep_command(CLI::App& app) {
   sub.add_option("--threads", o->threads, "points judged side by side")->capture_default_str();
   sub.add_option("--merge", o->merge, "records of all jobs into --out; refused with gaps or points twice")->expected(1, 1 << 20);
   sub.add_option("--pictures", o->pictures, "folder: draw every point and its reference instead of judging it");
+  sub.add_flag("--points", o->points, "print what each point is, as CSV, without judging it");
   sub.add_flag("--count", o->count, "print how many points there are");
   sub.callback([o] { run(*o); });
 }

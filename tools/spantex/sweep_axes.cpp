@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sweep_axes.hpp"
 
+#include <limits.h>
 #include <stdlib.h>
 
 #include <algorithm>
@@ -96,6 +97,7 @@ void add_profile(std::vector<sweep_axis>& a) {
   a.push_back(choice<scope_names, SPANTEX_OF(machine.value.scope)>("scope"));
   a.push_back(choice<sim::level_names, SPANTEX_OF(machine.value.formula)>("formula"));
   a.push_back(whole<SPANTEX_OF(machine.value.level_bias)>("level_bias", "1/16 level", -128, 127));
+  a.push_back(whole<SPANTEX_OF(machine.value.mip_bias)>("mip_bias", "1/16 level", -16, 0));
   a.push_back(whole<SPANTEX_OF(machine.value.coordinate_bits)>("coordinate_bits", "bits", 4, 16));
   a.push_back(whole<SPANTEX_OF(machine.value.offset_bits)>("offset_bits", "bits", 12, 31));
   a.push_back(whole<SPANTEX_OF(machine.value.reciprocal_bits)>("reciprocal_bits", "bits", 12, 30));
@@ -157,16 +159,16 @@ const sweep_axis* find_axis(std::string_view name) {
 std::optional<std::string> why_not(const sweep_axis& axis, const std::string& value) {
   const std::string what = std::string(axis.name) + ": ";
   if (axis.is_text) {
-    if (value.empty() || value.find_first_of(",\"\n\r|") != std::string::npos) return what + "'" + value + "' is empty or holds a comma, quote, bar or line break";
+    const bool control = std::any_of(value.begin(), value.end(), [](char c) { return uint8_t(c) < ' '; });
+    if (value.empty() || control || value.find_first_of(",\"|") != std::string::npos) return what + "'" + value + "' is empty or holds a comma, quote, bar or control character";
     return std::nullopt;
   }
   if (!axis.names.empty()) {
     if (std::find(axis.names.begin(), axis.names.end(), value) != axis.names.end()) return std::nullopt;
     return what + "unknown '" + value + "' (known: " + listed(axis.names) + ")";
   }
-  char* end = nullptr;
-  const long number = strtol(value.c_str(), &end, 10);
-  if (value.empty() || *end != '\0') return what + "'" + value + "' is not a whole number";
+  const long number = strtol(value.c_str(), nullptr, 10);
+  if (number != LONG_MIN && number != LONG_MAX && value != std::to_string(number)) return what + "'" + value + "' is not a whole number";
   if (number < axis.low || number > axis.high) return what + value + " is outside " + std::to_string(axis.low) + ".." + std::to_string(axis.high);
   return std::nullopt;
 }

@@ -74,7 +74,8 @@ class spec_reader final : public nlohmann::json::json_sax_t {
   bool parse_error(std::size_t, const std::string& last, const nlohmann::detail::exception&) override {
     spec_node here;
     here.line = lines_.before_last;
-    refuse(file_, here, "not JSON at '" + last + "'");
+    constexpr size_t most = 40;  // of nested brackets it names all
+    refuse(file_, here, "not JSON at '" + (last.size() > most ? "..." + last.substr(last.size() - most) : last) + "'");
   }
 
   spec_node take() { return std::move(root_); }
@@ -127,7 +128,9 @@ spec_node parse_spec(const std::string& file, const std::string& text) {
 }
 
 void refuse(const std::string& file, const spec_node& at, const std::string& reason) {
-  throw sim::input_error(file + ":" + std::to_string(at.line) + ": " + reason);
+  std::string line = reason;  // one, whatever it quotes
+  std::replace_if(line.begin(), line.end(), [](char c) { return uint8_t(c) < ' '; }, '?');
+  throw sim::input_error(file + ":" + std::to_string(at.line) + ": " + line);
 }
 
 }  // namespace spantex::tool

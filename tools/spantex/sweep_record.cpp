@@ -43,14 +43,27 @@ std::string number_of(const std::string& row, const sweep_spec& spec, uint64_t& 
   return {};
 }
 
+// What the write of a line that was cut short leaves: a beginning of the heading, or of a row of this study.
+bool is_torn(const std::string& text, int line, const sweep_spec& spec) {
+  const std::string begins = line == 1 ? sweep_heading() : spec.study() + ",";
+  const size_t common = std::min(text.size(), begins.size());
+  return (line > 1 || text.size() <= begins.size()) && text.compare(0, common, begins, 0, common) == 0;
+}
+
 // Calls row(row_place) for each whole row; returns the bytes up to the last whole line. A torn last line is none.
 uint64_t read_record(const std::string& path, const sweep_spec& spec, const std::function<void(const row_place&)>& row) {
+  struct stat about {};
+  if (stat(path.c_str(), &about) == 0 && S_ISDIR(about.st_mode)) fail(path, strerror(EISDIR));
   std::ifstream in(path, std::ios::binary);
   if (!in) fail(path, strerror(errno));
   std::string text;
   uint64_t whole = 0;
-  for (int line = 1; std::getline(in, text) && !in.eof(); ++line) {
+  for (int line = 1; std::getline(in, text); ++line) {
     const auto refused = [&](const std::string& reason) { fail(path + ":" + std::to_string(line), reason); };
+    if (in.eof()) {
+      if (is_torn(text, line, spec)) break;
+      refused(line == 1 ? "not a record of a sweep by this version" : "neither a row of this study nor the beginning of one");
+    }
     if (line == 1) {
       if (text != sweep_heading()) refused("not a record of a sweep by this version");
     } else {
@@ -65,7 +78,8 @@ uint64_t read_record(const std::string& path, const sweep_spec& spec, const std:
 }
 
 void write_all(int file, const std::string& path, const std::string& text) {
-  if (write(file, text.data(), text.size()) != ssize_t(text.size())) fail(path, std::string("cannot be written: ") + strerror(errno));
+  const ssize_t written = write(file, text.data(), text.size());
+  if (written != ssize_t(text.size())) fail(path, std::string("cannot be written: ") + strerror(written < 0 ? errno : ENOSPC));
 }
 
 std::string printed(double x, int decimals) {
@@ -78,16 +92,26 @@ std::string printed(double x, int decimals) {
 
 }  // namespace
 
-std::string sweep_heading() {
+std::string point_heading() {
   std::string text = "study,part,point";
   for (const sweep_axis& a : sweep_axes()) text += "," + std::string(a.name);
+  return text;
+}
+
+std::string point_columns(const sweep_spec& spec, uint64_t number, const numbered_point& p) {
+  std::string text = spec.study() + "," + p.part->name + "," + std::to_string(number);
+  for (const sweep_axis& a : sweep_axes()) text += "," + a.get(p.point);
+  return text;
+}
+
+std::string sweep_heading() {
+  std::string text = point_heading();
   for (const auto& c : sim::measure_columns) text += "," + std::string(c.name);
   return text;
 }
 
 std::string sweep_row(const sweep_spec& spec, uint64_t number, const numbered_point& p, const sim::sweep_result& r) {
-  std::string text = spec.study() + "," + p.part->name + "," + std::to_string(number);
-  for (const sweep_axis& a : sweep_axes()) text += "," + a.get(p.point);
+  std::string text = point_columns(spec, number, p);
   for (size_t k = 0; k < sim::measure_columns.size(); ++k) text += "," + printed(r.value[k], sim::measure_columns[k].decimals);
   return text;
 }

@@ -13,8 +13,11 @@
 
 namespace spantex::tool {
 
+// What a point is: study, part, number and every axis. Without a line break, as all of these.
+std::string point_heading();
+std::string point_columns(const sweep_spec& spec, uint64_t number, const numbered_point& p);
+// The same, then what it is worth.
 std::string sweep_heading();
-// Without its line break.
 std::string sweep_row(const sweep_spec& spec, uint64_t number, const numbered_point& p, const sim::sweep_result& r);
 
 class sweep_record {

@@ -35,6 +35,8 @@ class spec_builder {
   sweep_spec build(const spec_node& root) {
     check_members(root, {"name", "about", "seed", "size", "base", "scenes", "measures", "parts"}, "a specification");
     spec_.folder_ = std::filesystem::path(file_).parent_path().string();
+    for (const char* name : {"name", "about"})
+      if (const spec_node* n = root.find(name)) text_of(*n, "'" + std::string(name) + "'");
     sweep_part common;
     common.scenes = {"tilted"};
     read_common(root, common);
@@ -77,7 +79,7 @@ class spec_builder {
     } catch (const sim::input_error& e) {
       const std::string reason = e.what();
       if (reason.rfind(file_, 0) == 0) throw;
-      stop(n, reason);
+      stop(n, reason.substr(reason.find("size")));
     }
   }
 
@@ -99,6 +101,10 @@ class spec_builder {
     if (const auto reason = why_not(axis, value)) stop(n, *reason);
     if (axis.name == "map" && !sim::is_sweep_map(value)) check_picture(n, value);
     return value;
+  }
+
+  void check_not_scene(const sweep_axis& axis, const spec_node& n) const {
+    if (axis.name == "scene") stop(n, "scenes are listed under 'scenes'");
   }
 
   void check_picture(const spec_node& n, const std::string& value) const {
@@ -144,6 +150,7 @@ class spec_builder {
       if (base->what != kind::object) stop(*base, "'base' must be an object");
       for (const auto& [name, value] : base->members) {
         const sweep_axis& axis = axis_of(name, value);
+        check_not_scene(axis, value);
         std::erase_if(part.base, [&](const axis_value& v) { return v.first == &axis; });
         part.base.emplace_back(&axis, value_of_axis(axis, value));
       }
@@ -169,7 +176,9 @@ class spec_builder {
         for (const auto& known : names) list += (list.empty() ? "" : ", ") + std::string(known);
         stop(item, "unknown measure '" + name + "' (known: " + list + ")");
       }
-      groups.wanted[size_t(found - names.begin())] = true;
+      bool& wanted = groups.wanted[size_t(found - names.begin())];
+      if (wanted) stop(item, "measure '" + name + "' twice");
+      wanted = true;
     }
     return groups;
   }
@@ -180,7 +189,8 @@ class spec_builder {
     const spec_node* const name = n.find("name");
     if (name == nullptr) stop(n, "a part needs a 'name'");
     part.name = text_of(*name, "'name'");
-    if (part.name.find_first_of(",\"\n\r") != std::string::npos) stop(*name, "'name' holds a comma, quote or line break");
+    if (std::any_of(part.name.begin(), part.name.end(), [](char c) { return uint8_t(c) < ' ' || c == ',' || c == '"'; })) stop(*name, "'name' holds a comma, quote or control character");
+    if (const spec_node* about = n.find("about")) text_of(*about, "'about'");
     for (const sweep_part& other : spec_.parts_)
       if (other.name == part.name) stop(*name, "part '" + part.name + "' twice");
     read_common(n, part);
@@ -188,7 +198,7 @@ class spec_builder {
     if (axes == nullptr || axes->what != kind::object || axes->members.empty()) stop(axes != nullptr ? *axes : n, "part '" + part.name + "' needs 'axes', an object of at least one axis");
     for (const auto& [axis_name, value] : axes->members) {
       const sweep_axis& axis = axis_of(axis_name, value);
-      if (axis.name == "scene") stop(value, "scenes are listed under 'scenes'");
+      check_not_scene(axis, value);
       part.axes.push_back({&axis, values_of_axis(axis, value)});
     }
     sample(n, part);
