@@ -21,6 +21,11 @@ def panels(count, columns, width=3.4, height=2.7):
     return figure, flat[:count]
 
 
+def legend_below(figure, place, columns):
+    """For panels whose lines leave no room."""
+    figure.legend(*place.get_legend_handles_labels(), loc="upper center", bbox_to_anchor=(0.5, 0), ncol=columns)
+
+
 def finite(number, ceiling):
     return min(number, ceiling) if not math.isnan(number) else math.nan
 
@@ -61,14 +66,15 @@ def word_errors(rows):
 def pareto(rows, scenes):
     """Quality over each cost; the front of what no other point beats."""
     costs = [("word_bits", "bits of the words of a pixel"), ("product_bits_per_pixel", "product bits a pixel"), ("cycles_per_pixel", "cycles a pixel"),
-             ("words_per_pixel", "64-bit words a pixel"), ("memory_bits", "bits of both local memories")]
+             ("words_per_pixel", "64-bit words a pixel"), ("memory_bits", "Kbit of both local memories")]
+    unit = {"memory_bits": 1 / 1024}
     figure, places = panels(len(costs) * len(scenes), len(costs), 2.9, 2.6)
     for k, place in enumerate(places):
         scene, (cost, title) = scenes[k // len(costs)], costs[k % len(costs)]
         for mark, filter_name in zip("ox", ("trilinear", "trilinear3")):
             part = record.select(rows, scene=scene, filter=filter_name)
-            place.plot([r[cost] for r in part], [r["psnr_db"] for r in part], mark, markersize=2.5, alpha=0.6, label=filter_name)
-        line = record.front([(r[cost], r["psnr_db"], r) for r in record.select(rows, scene=scene)])
+            place.plot([r[cost] * unit.get(cost, 1) for r in part], [r["psnr_db"] for r in part], mark, markersize=2.5, alpha=0.6, label=filter_name)
+        line = record.front([(r[cost] * unit.get(cost, 1), r["psnr_db"], r) for r in record.select(rows, scene=scene)])
         place.step([p[0] for p in line], [p[1] for p in line], where="post", linewidth=1.4, label="front")
         place.set(xlabel=title, ylabel=f"PSNR, dB ({scene})")
     places[0].legend()
@@ -135,7 +141,7 @@ def levels(rows, filter_name):
                 place.plot([r["level_bias"] / 16 for r in line], [r["psnr_db"] for r in line], STYLES[n], color=plt.rcParams["axes.prop_cycle"].by_key()["color"][k],
                            label=f"{formula}, {prefilter}")
         place.set(title=scene, xlabel="LOD bias, levels", ylabel="PSNR, dB")
-    places[0].legend(ncol=2, fontsize=6)
+    legend_below(figure, places[0], 6)
     return figure
 
 
@@ -162,7 +168,7 @@ def anisotropy(rows):
                 colour = plt.rcParams["axes.prop_cycle"].by_key()["color"][record.values(rows, "sample_bias").index(bias)]
                 place.plot([r["cycles_per_pixel"] for r in line], [r["psnr_db"] for r in line], STYLES[n], marker=".", color=colour, label=f"bias {bias / 16:g}, slack {slack}/16")
         place.set(title=f"pitch {pitch} degrees", xlabel="cycles a pixel", ylabel="PSNR, dB")
-    places[0].legend(fontsize=6)
+    legend_below(figure, places[0], 5)
     return figure
 
 
@@ -174,6 +180,8 @@ def local_memory(rows, port):
             line = sorted(record.select(rows, scene=scene, overflow=policy, scope="pixel", filter="trilinear", port_words=port), key=lambda r: r["fine_side"])
             place.plot([r["cycles_per_pixel"] for r in line], [r["psnr_db"] for r in line], marker="osd"[k], label=policy)
             for r in line:
+                if r["fine_side"] == max(l["fine_side"] for l in line) and policy != "split":
+                    continue  # where everything fits all policies are one point
                 place.annotate(str(r["fine_side"]), (r["cycles_per_pixel"], r["psnr_db"]), textcoords="offset points", xytext=((-10, 2), (4, -9), (4, 3))[k], fontsize=7)
         place.set(title=scene, xlabel="cycles a pixel", ylabel="PSNR, dB")
     places[0].legend()
@@ -205,7 +213,7 @@ def bias_in_motion(rows):
                         label = f"{scene}, {prefilter}" + (f", {motion_name}" if measure == "swim_lsb" else "")
                         place.plot([r["level_bias"] / 16 for r in line], [r[measure] for r in line], marker=".", label=label)
         place.set(xlabel="LOD bias, levels", ylabel=title)
-        place.legend(fontsize=6)
+        place.legend(fontsize=7, ncol=2)
     return figure
 
 

@@ -42,7 +42,7 @@ def settings(palette):
     return {"figure.facecolor": p["back"], "axes.facecolor": p["back"], "savefig.facecolor": p["back"], "text.color": p["ink"], "axes.labelcolor": p["ink"],
             "axes.edgecolor": p["ink"], "xtick.color": p["ink"], "ytick.color": p["ink"], "grid.color": p["grid"], "axes.grid": True, "grid.linewidth": 0.6,
             "axes.prop_cycle": plt.cycler(color=p["lines"]), "font.size": 9, "axes.titlesize": 10, "legend.frameon": False, "legend.fontsize": 8,
-            "axes.spines.top": False, "axes.spines.right": False, "lines.markersize": 4, "figure.constrained_layout.use": True}
+            "axes.spines.top": False, "axes.spines.right": False, "lines.markersize": 4, "axes.axisbelow": True, "figure.constrained_layout.use": True, "figure.constrained_layout.h_pad": 0.08}
 
 
 class Page:
@@ -63,7 +63,7 @@ class Page:
         for palette in PALETTES:
             with plt.rc_context(settings(palette)):
                 drawn, buffer = draw(), io.BytesIO()
-                drawn.savefig(buffer, format="png", dpi=DPI)
+                drawn.savefig(buffer, format="png", dpi=DPI, bbox_inches="tight")
                 plt.close(drawn)
             pictures[palette] = "data:image/png;base64," + base64.b64encode(reduced(buffer)).decode()
         self.body.append(f'<figure><picture><source media="(prefers-color-scheme: dark)" srcset="{pictures["dark"]}"><img src="{pictures["light"]}" '

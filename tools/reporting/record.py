@@ -4,12 +4,18 @@ import csv
 import math
 
 NUMBERS_FROM = "psnr_db"  # measures begin here
+WORDS_OF_COORDINATES = ("coordinate_bits", "offset_bits", "reciprocal_bits", "tolerance_bits")  # that move positions
 
 
 def load(path):
     """Rows as dictionaries; measures are floats, NaN where empty; whole-number axes are ints."""
     with open(path, newline="", encoding="utf-8") as file:
-        rows = list(csv.DictReader(file))
+        return rows_of(list(csv.reader(file)))
+
+
+def rows_of(lines):
+    """Of a record's lines, each a list of texts, the heading first."""
+    rows = [dict(zip(lines[0], line)) for line in lines[1:]]
     for row in rows:
         measured = False
         for name, text in row.items():
