@@ -65,15 +65,16 @@ inline job_result run_job(bench_engine& e) {
 enum class lie : uint8_t {
   none, wrong_crc, wrong_seal, another_sequence, another_command, unknown_code, too_long, not_spantex, newer_version, other_coefficients, other_profile,
   no_burst, open_refused, other_mask, partial_pixels, short_pixels, always_pending, engine_fails, engine_times_out, error_line_high, busy_line_high,
-  refuses_incomplete, refuses_length, refuses_crc, refuses_seal, refuses_coefficients
+  refuses_incomplete, refuses_length, refuses_crc, refuses_seal, refuses_coefficients, fewer_fields, more_fields
 };
-inline constexpr int lie_count = int(lie::refuses_coefficients) + 1;
+inline constexpr int lie_count = int(lie::more_fields) + 1;
 
 class lying_responder {
  public:
   lying_responder(direct& engine, const prof& p) : honest_(engine, p) {}
 
   lie told = lie::none;
+  int field = 0;  // of the profile: lie::other_profile
   int from_answer = 0, answers = 1 << 30;  // which answers are lies
 
   void receive(uint8_t byte, bool first) {
@@ -140,8 +141,8 @@ class lying_responder {
         bench::crc16 crc;
         bytes_[size_ - 3] ^= 1;
         for (int k = 0; k < size_ - 2; ++k) crc.add(bytes_[k]);
-        bytes_[size_ - 2] = uint8_t(crc.value);
-        bytes_[size_ - 1] = uint8_t(crc.value >> 8);
+        bytes_[size_ - 2] = uint8_t(crc.value >> 8);
+        bytes_[size_ - 1] = uint8_t(crc.value);
         break;
       }
       case lie::another_sequence: ++bytes_[1]; seal_again(n); break;
@@ -152,7 +153,9 @@ class lying_responder {
       case lie::newer_version: if (is(command::identify)) { payload[5] += 1; seal_again(n); } break;
       case lie::other_coefficients: if (is(command::identify)) { payload[7] += 1; seal_again(n); } break;
       case lie::no_burst: if (is(command::identify)) { payload[11] = payload[12] = 0; seal_again(n); } break;
-      case lie::other_profile: if (is(command::identify)) { payload[13] = 16; seal_again(n); } break;
+      case lie::other_profile: if (is(command::identify)) { payload[13 + 2 * field] ^= 1; seal_again(n); } break;
+      case lie::fewer_fields: if (is(command::identify)) seal_again(n - 2); break;
+      case lie::more_fields: if (is(command::identify)) seal_again(n + 2); break;
       case lie::open_refused: if (is(command::open)) { payload[0] = uint8_t(bench::result::other_profile); seal_again(1); } break;
       case lie::other_mask: if (pixels) { payload[1] ^= 1; seal_again(n - 4); } break;
       case lie::partial_pixels: if (pixels) { payload[9] = 1; seal_again(n); } break;

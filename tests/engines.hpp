@@ -14,6 +14,7 @@
 #include <hal/recording_engine.hpp>
 #include <hal/sim_engine.hpp>
 #include <sim/bench_wires.hpp>
+#include <tests/late_loader.hpp>
 
 namespace spantex::sim {
 
@@ -26,6 +27,11 @@ using simulated = sim_engine<prof>;
 struct direct_rig {
   direct engine;
   direct& port() { return engine; }
+};
+struct loading_rig {
+  late_loader loader;
+  loading_engine<prof, late_loader> engine{loader};
+  loading_engine<prof, late_loader>& port() { return engine; }
 };
 struct sim_rig {
   simulated engine;

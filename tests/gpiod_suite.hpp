@@ -9,6 +9,9 @@
 #include <errno.h>
 #include <signal.h>
 #include <string.h>
+#include <sys/mman.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <map>
@@ -36,6 +39,7 @@ struct chip_state {
   std::string fail_at;              // or a call by its text
   std::string failed;               // the call that was made to fail
   simulated_bench<prof>* device = nullptr;
+  int* outputs_told = nullptr;      // how many lines are outputs, for another process
 };
 inline chip_state chip;
 
@@ -64,6 +68,11 @@ inline const char* group_of(int first_line) { return first_line == 0 ? "data" : 
 
 // --- what the chip does, of `count` lines from `first` on ------------------------------------------------
 
+inline void set_outputs(int first, int count, bool yes) {
+  for (int k = first; k < first + count; ++k) chip.output[k] = yes;
+  if (chip.outputs_told != nullptr) *chip.outputs_told = int(std::count(std::begin(chip.output), std::end(chip.output), true));
+}
+
 inline void become_requested(int first, int count, bool yes) {
   for (int k = first; k < first + count; ++k) chip.requested[k] = yes;  // whoever lets go of an output leaves it as it is
 }
@@ -77,10 +86,9 @@ std::string bits(const Values* values, int count) {
 
 template <class Values>
 void become_driven(int first, int count, const Values* values) {
-  for (int k = first; k < first + count; ++k) {
+  for (int k = first; k < first + count; ++k)
     if (!chip.requested[k]) std::abort();
-    chip.output[k] = true;
-  }
+  set_outputs(first, count, true);
   if (chip.device == nullptr) return;
   uint8_t byte = 0;
   for (int k = 0; k < count; ++k) byte = uint8_t(byte | (int(values[k]) != 0 ? 1 : 0) << k);
@@ -89,7 +97,7 @@ void become_driven(int first, int count, const Values* values) {
 }
 
 inline void become_inputs(int first, int count) {
-  for (int k = first; k < first + count; ++k) chip.output[k] = false;
+  set_outputs(first, count, false);
   if (chip.device != nullptr && first == 0) (void)chip.device->release_data();
 }
 
@@ -445,6 +453,40 @@ inline void signals_stop_the_bench(void**) {
   assert_false(chip.open);
 }
 
+// Each signal that ends a process, in one of its own: those that ask to stop are noted and the next call fails, faults end it with the lines let go.
+inline void every_signal_lets_go(void**) {
+  void* shared = mmap(nullptr, sizeof(int), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+  assert_true(shared != MAP_FAILED);
+  int* const outputs = static_cast<int*>(shared);
+  int stopped = 0, died = 0;
+  for (int s = 1; s <= SIGRTMAX; ++s) {
+    const bool ends_nothing = s == SIGCHLD || s == SIGCONT || s == SIGTSTP || s == SIGTTIN || s == SIGTTOU || s == SIGURG || s == SIGWINCH;
+    if (ends_nothing || s == SIGKILL || s == SIGSTOP || (s > 31 && s < SIGRTMIN)) continue;
+    const pid_t child = fork();
+    if (child == 0) {
+      chip = {};
+      chip.outputs_told = outputs;
+      signal(s, SIG_DFL);  // whatever the caller ignores
+      gpiod_lines::catch_signals();
+      gpiod_lines lines(rig());
+      if (lines.open() != status::ok || lines.drive_data(0xFF) != status::ok || lines.set_control({.reset = true}) != status::ok || *outputs != 12) _exit(3);
+      raise(s);
+      if (lines.drive_data(0) != status::device_error || !lines.interrupted()) _exit(4);
+      lines.release_all();
+      _exit(0);
+    }
+    int end = 0;
+    assert_int_equal(waitpid(child, &end, 0), child);
+    if (WIFSIGNALED(end)) assert_int_equal(WTERMSIG(end), s);
+    else assert_int_equal(WEXITSTATUS(end), 0);
+    ++(WIFSIGNALED(end) ? died : stopped);
+    if (*outputs != 0) fail_msg("signal %d: %d lines left driven", s, *outputs);
+  }
+  munmap(shared, sizeof(int));
+  print_message("%d signals stop the bench, %d end it\n", stopped, died);
+  assert_int_equal(died, 7);
+}
+
 // `own`: of one version.
 template <class... Own>
 int run_gpiod_suite(const char* name, Own... own) {
@@ -457,6 +499,7 @@ int run_gpiod_suite(const char* name, Own... own) {
       cmocka_unit_test_setup(a_line_in_use_is_named_with_its_holder, simulated_chip),
       cmocka_unit_test_setup(every_failing_call_is_told, simulated_chip),
       cmocka_unit_test_setup(every_call_that_fails_is_survived, simulated_chip),
+      cmocka_unit_test_setup(every_signal_lets_go, simulated_chip),
       own...,
       cmocka_unit_test_setup(signals_stop_the_bench, simulated_chip),  // nothing runs after a signal
   };

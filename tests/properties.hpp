@@ -2,9 +2,10 @@
 // What the suites on properties share: small views, maps in every texel format, a loop over the profiles, and what a pixel is made of:
 // its texels and their weights as whole numbers, by the planner's and the datapath's decisions or by exact arithmetic alone.
 #pragma once
+#include <algorithm>
 #include <cmath>
 
-#include <tests/support.hpp>
+#include <tests/formats.hpp>
 #include <tests/whole_map.hpp>
 
 #include <sim/exact.hpp>
@@ -81,7 +82,8 @@ void for_each_profile(Use use) {
   use(fixed_profile<profiles::exact>{}, "exact");
 }
 
-inline constexpr texel_format all_formats[] = {texel_format::rgba8888, texel_format::rgb565, texel_format::argb1555,
+// Of 32 and 16 bits, which the synthetic maps come in.
+inline constexpr texel_format plain_formats[] = {texel_format::rgba8888, texel_format::rgb565, texel_format::argb1555,
                                                texel_format::argb4444};
 
 // The nearest colour that a format holds.
@@ -114,6 +116,13 @@ inline const formatted_map& in_format(const synthetic_map& source, texel_format 
     for (const rgba8& c : level.texels) out.push_back(pack(f, c));
   }
   return kept.back();
+}
+
+// use(format, turn) for the others: bytes, palettes, blocks; turn counts on, for wraps and views that take turns.
+template <class Use>
+void for_each_other_format(size_t& turn, Use use) {
+  for (const texel_format f : all_formats)
+    if (std::find(std::begin(plain_formats), std::end(plain_formats), f) == std::end(plain_formats)) use(f, turn++);
 }
 
 // --- what a pixel is made of -------------------------------------------------------------------------------
@@ -264,7 +273,7 @@ inline snapped_position exact_position_on(const plane& p, const texture_view& t,
 // profile's bits (ties of a logarithm cannot occur but at whole and half levels, which 8 bits hold).
 inline pixel_source exact_source(const plane& p, const texture_view& t, const profile& q, int32_t x, int32_t y) {
   const int32_t hx = 2 * x + 1, hy = 2 * y + 1, one = 1 << q.level_bits, last = t.last_level() * one;
-  const long double formula = q.formula == level_formula::major ? exact_major_level(p, hx, hy) : exact_level(p, hx, hy);
+  const long double formula = biased_level(q, q.formula == level_formula::major ? exact_major_level(p, hx, hy) : exact_level(p, hx, hy));
   const long double exact = std::floor(formula * one + 0.5L);
   const int32_t level = exact < 0 ? 0 : exact > last ? last : int32_t(exact);
   pixel_source s{};

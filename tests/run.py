@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Runs the tests, a program a processor, and closes with 'N passed, N failed'.
 
 Three kinds, each a suite with named cases:
@@ -18,7 +19,7 @@ import sys
 import time
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-LIMIT_S = 1800
+LIMIT_S = 2700
 
 
 def run(command, **kw):

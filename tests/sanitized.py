@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """What `make sanitize` runs under the address, undefined-behaviour and unsigned-overflow sanitizers: the unit tests, the command's own tests,
 every scene with every filter, profile and engine at a small size, a stress run, and the identity pictures. A report of a sanitizer
 ends the program (-fno-sanitize-recover), so each exit code is also the sanitizer's verdict."""
@@ -52,6 +53,7 @@ def parts(build, suites, environment, folder):
     spantex, one = build / "spantex", lambda *command: lambda: run(command, environment)
     yield "unit tests", [one(sys.executable, "tests/run.py", "--build", build, "--only", suite) for suite in suites]
     yield "command_contract", [one("tests/scripts/command_contract.py")]
+    yield "command_maps", [one("tests/scripts/command_maps.py")]
     yield "command_bad_input", [one("tests/scripts/command_bad_input.py")]
     yield "stress", [one(spantex, "stress", "--profile", p, "--evaluations", EVALUATIONS) for p in PROFILES]
     yield "identity pictures", [lambda: identity(build / "picture_hashes", environment)]

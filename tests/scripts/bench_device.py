@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """The device's end of the bench for microcontrollers, firmware/apps/bench_device.cpp, compiles without a warning for Cortex-M0+ and, where the compiler is
-installed, RV32; it needs no heap, no floating point and nothing of the C++ library."""
+installed, RV32; it needs no heap, no floating point and nothing of the C++ library, and the memory that docs/BENCH.md says."""
 import pathlib
+import re
 import shutil
 import subprocess
 import sys
@@ -30,6 +31,13 @@ def main():
             alien = [n for n in names if not n.startswith(ALLOWED)]
             failed += bool(alien)
             print(subprocess.run([prefix + "-size", out], check=True, capture_output=True, text=True).stdout)
+            # Addresses are as long on both.
+            sizes = {n: int(size, 16) for size, n in re.findall(r"^\S+ (\S+) \S \S*\d(engine|commands)E$",
+                                                                subprocess.run([prefix + "-nm", "-S", out], check=True, capture_output=True, text=True).stdout, re.M)}
+            told = f"`seed`: {sizes['commands']} bytes beside the engine's {sizes['engine']}"
+            if told not in (ROOT / "docs/BENCH.md").read_text():
+                failed += 1
+                print(f"{prefix}: docs/BENCH.md does not say {told}")
             if alien:
                 print(f"{prefix}: needs {' '.join(alien)}")
     return 1 if failed else 0

@@ -15,7 +15,15 @@ BAD_RIGS = [
     ([], "object"), ({**GOOD, "colour": 1}, "colour"), ({"lines": LINES}, "chip"), ({"chip": "x"}, "lines"), ({**GOOD, "data_bits": 5}, "data_bits"),
     ({**GOOD, "lines": {**LINES, "D9": 20}}, "D9"), ({**GOOD, "lines": {**LINES, "busy": 3}}, "'3'"), ({**GOOD, "lines": {**LINES, "busy": -1}}, "busy"),
     ({**GOOD, "limits": {"attempts": 0}}, "attempts"), ({**GOOD, "limits": {"attempts": "many"}}, "attempts"), ({**GOOD, "settle_ns": 0}, "settle_ns"),
-    (GOOD, "no-such-chip"),
+    ({**GOOD, "settle_ns": 2**64 - 1}, "settle_ns"), ({**GOOD, "limits": {"attempts": 10**30}}, "attempts"), ({**GOOD, "limits": {"step_ns": 1.5}}, "step_ns"),
+    ({**GOOD, "limits": {"recoveries": True}}, "recoveries"), ({**GOOD, "limits": []}, "limits"), ({**GOOD, "lines": {**LINES, "busy": None}}, "busy"),
+    ({**GOOD, "lines": {**LINES, "busy": 2**64 - 1}}, "busy"), ({**GOOD, "lines": {**LINES, "busy": "13"}}, "without quotes"), ({**GOOD, "chip": "a\0b"}, "'chip'"),
+    ({**GOOD, "data_bits": 4}, "D4"), (GOOD, "no-such-chip"),
+]
+# As text: what Python's JSON cannot say.
+BAD_TEXTS = [
+    ("", "not JSON"), ("[" * 100000, "not JSON"), (json.dumps(GOOD)[:-1] + ', "chip": "other"}', "'chip' is there twice"),
+    (json.dumps(GOOD).replace('"D1"', '"D0"'), "'D0' is there twice"), (json.dumps(GOOD) + "}", "not JSON"),
 ]
 
 
@@ -29,7 +37,10 @@ def expect(result, code, *words):
 def main():
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
-        expect(run("bench-rig", "identify", "--simulated", "--profile", "seed"), 0, "profile         seed", "40 words")
+        expect(run("bench-rig", "identify", "--simulated", "--profile", "seed", "--json", folder / "i.json"), 0, "profile         seed", "40 words")
+        fields = f"profile i16 × {len(json.loads((folder / 'i.json').read_text())['profile'])},"
+        if fields not in (pathlib.Path(__file__).resolve().parents[2] / "docs/BENCH.md").read_text():
+            sys.exit(f"docs/BENCH.md does not say: {fields}")
         for bits in (8, 4):
             expect(run("bench-rig", "self-test", "--simulated", "--data-bits", bits), 0, "wires           sound", "0 retries")
         for profile in ("seed", "compact", "default", "exact"):
@@ -57,8 +68,8 @@ def main():
                 sys.exit(f"{part}: JSON says {found}")
             expect(run("bench-rig", "replay", folder / "r.rec", "--profile", "seed"), 1, found["text"].split(", stage")[0])
         expect(run("bench-rig", "run", "tilted", "--simulated", "--broken", "wheel"), 2, "wheel", "coordinates")
-        for rig, word in BAD_RIGS:
-            (folder / "rig.json").write_text(json.dumps(rig))
+        for text, word in [(json.dumps(rig), word) for rig, word in BAD_RIGS] + BAD_TEXTS:
+            (folder / "rig.json").write_text(text)
             expect(run("bench-rig", "identify", "--rig", folder / "rig.json"), 2, word)
     return 0
 

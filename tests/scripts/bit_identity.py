@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """The same bytes everywhere: hashes of 1088 small pictures (each scene, filter, wrap mode, map and profile;
 each scene, shading and profile), from g++ and clang++ at four
 optimisation levels, and from arm64, armhf and big-endian s390x under emulation at -O2, all equal to the committed ones. At -O0 and -O3 the

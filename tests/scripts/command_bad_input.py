@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Bad input of every kind ends in exit code 2, one line on stderr that names the file or option and the reason, and no file left."""
 import functools
+import io
 import os
 import pathlib
 import re
@@ -10,6 +11,7 @@ import struct
 import subprocess
 import sys
 import tempfile
+import zipfile
 import zlib
 
 sys.dont_write_bytecode = True
@@ -21,12 +23,21 @@ FILTERS = ["nearest", "bilinear", "three-point", "mip-bilinear", "trilinear", "t
 # One mesh with a texture and coordinates, one with the same texture and none.
 MIXED_MESHES = ("mtllib half.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\n"
                 "o covered\nusemtl m\nf 1/1 2/2 3/3\no bare\nusemtl m\nf 1 3 4\n")
+EMPTY_LEVEL = b"IBSP" + struct.pack("<35i", 46, *[144, 0] * 17)
 SPARSE = {"vast.png": 3 << 30, "vast.obj": 3 << 30, "large.png": 400 << 20}
 SMALL_MEMORY_BYTES = 256 << 20
 
 
 def bmp_header(width, height):
     return b"BM" + struct.pack("<IHHIIiiHHIIiiII", 54 + width * height * 3, 0, 0, 54, 40, width, height, 1, 24, 0, 0, 0, 0, 0, 0)
+
+
+def archive(files):
+    data = io.BytesIO()
+    with zipfile.ZipFile(data, "w", zipfile.ZIP_DEFLATED) as a:
+        for name, content in files.items():
+            a.writestr(name, content)
+    return data.getvalue()
 
 
 def pack_bytes(**changed):
@@ -64,6 +75,9 @@ def make_inputs(folder):
         "truncated.bmp": bmp_header(64, 64) + b"\x55" * 900,
         "noise.png": good[:60] + bytes((b * 7 + 3) % 256 for b in good[60:-30]) + good[-30:],
         "plain.obj": QUAD_WITHOUT_UV.encode(), "garbage.obj": b"\x00\x01\x02 nonsense", "garbage.xyz": b"nonsense",
+        "short.bsp": b"IBSP", "old.bsp": b"IBSP" + struct.pack("<35i", 29, *[0] * 34), "cut.bsp": b"IBSP" + struct.pack("<35i", 46, 144, 1, *[0] * 32), "void.bsp": EMPTY_LEVEL,
+        "garbage.pk3": b"nonsense", "none.pk3": archive({"a.txt": b"a"}), "two.pk3": archive({"maps/one.bsp": EMPTY_LEVEL, "maps/two.bsp": EMPTY_LEVEL}),
+        "short.path": b"# eye, target\n1,2,3\n", "empty.path": b"# nothing\n", "one.path": b"1,2,3,0,0,0\n",
         "points.obj": b"v 0 0 0\nv 1 0 0\nvt 0 0\n",
         "lost.obj": QUAD_WITH_UV.replace("m.mtl", "lost.mtl").encode(), "lost.mtl": b"newmtl m\nKd 1 1 1\nmap_Kd lost_texture.png\n",
         "broken.obj": QUAD_WITH_UV.replace("m.mtl", "broken.mtl").encode(), "broken.mtl": b"newmtl m\nKd 1 1 1\nmap_Kd truncated.png\n",
@@ -148,6 +162,9 @@ CASES = [
         ("outline", "-1"), ("outline", "16"), ("outline", "wide"), ("outline", "nan"), ("threshold", "256"), ("threshold", "-1"),
         ("field-scale", "0"), ("field-scale", "256"), ("field-scale", "1e9"))],
     *[(plane(**{name: "1"}), ["--" + name, "contour"]) for name in ("outline", "threshold", "field-scale")],
+    *[(plane() + ["--no-skip", names], ["--no-skip", names.split(",")[-1], "uniform"]) for names in ("unifrom", "uniform,", "all,none", "uniform,Held")],
+    (plane() + ["--skip", "uniform"], ["--skip", "uniform", "other-half"]),
+    (plane() + ["--cull", "back"], ["back", "clockwise"]), (plane() + ["--cull", "clockwise", "--psnr"], ["--psnr", "--cull"]),
     (plane(alpha="blended") + ["--psnr"], ["--psnr", "--alpha"]),
     (render("contour", "--filter", "contour", "--psnr"), ["--psnr", "contour"]),
     (render("fig10"), ["fig10", "fig6", "fig9", "grazing"]),
@@ -200,6 +217,26 @@ CASES = [
     (render("nolib.obj"), ["nolib.obj", "no such library.mtl", "not found"]),
     (render("point.obj"), ["point.obj", "nothing to draw"]),
     (render("line.obj"), ["line.obj", "nothing to draw"]),
+    # levels
+    (render("short.bsp"), ["short.bsp", "not a Quake III map"]),
+    (render("old.bsp"), ["old.bsp", "version 29, not 46"]),
+    (render("cut.bsp"), ["cut.bsp", "damaged", "lump 0"]),
+    (render("void.bsp"), ["void.bsp", "nothing to draw"]),
+    (render("garbage.pk3"), ["garbage.pk3", "cannot read archive"]),
+    (render("none.pk3"), ["none.pk3", "no map"]),
+    (render("two.pk3"), ["two.pk3", "--map", "one", "two"]),
+    (render("two.pk3", "--map", "three"), ["two.pk3", "three", "one", "two"]),
+    (render("two.pk3", "--map", "one"), ["two.pk3", "one", "nothing to draw"]),
+    (render("void.bsp", "--map", "one"), ["void.bsp", "--map"]),
+    (render("textured.obj", "--map", "one"), ["--map", "textured.obj"]),
+    (render("textured.obj", "--order", "far"), ["--order", "far"]),
+    (render("tilted", "--order", "nearest"), ["--order", "tilted"]),
+    (render("textured.obj", "--path", "short.path"), ["short.path", "line 2", "6 numbers"]),
+    (render("textured.obj", "--path", "empty.path"), ["empty.path", "0 views"]),
+    (render("textured.obj", "--path", "missing.path"), ["missing.path"]),
+    (render("textured.obj", "--path", "one.path"), ["--out", "out.png"]),
+    (render("textured.obj", "--path", "one.path", "--frames", "2", "--out", "o%d.png"), ["--path"]),
+    (render("fig8", "--path", "one.path", "--out", "o%d.png"), ["--path", "fig8"]),
     # without end, or too large
     (plane(texture="/dev/zero"), ["/dev/zero", "512 MiB"]),
     (plane(texture="vast.png"), ["vast.png", "512 MiB"]),
@@ -267,6 +304,9 @@ CASES = [
     (["bench-rig", "identify", "--rig", "missing.json"], ["missing.json", "No such file"]),
     (["bench-rig", "identify", "--rig", "good.png"], ["good.png", "not JSON"]),
     (["bench-rig", "self-test", "--simulated", "--data-bits", "5"], ["--data-bits", "8 or 4"]),
+    (["bench-rig", "identify", "--simulated", "--patience", "-5"], ["--patience", "86400"]),
+    (["bench-rig", "identify", "--simulated", "--patience", "nan"], ["--patience", "86400"]),
+    (["bench-rig", "identify", "--simulated", "--patience", "1e300"], ["--patience", "86400"]),
     (["bench-rig", "run", "tilted", "--simulated", "--size", "8x8", "--profile", "huge"], ["profile", "huge"]),
     (["bench-rig", "run", "tilted", "--simulated", "--size", "8x8", "--space", "object"], ["screen space"]),
     (["bench-rig", "run", "tilted", "--simulated", "--size", "8x8", "--json", "no/j.json"], ["no/j.json", "cannot write"]),
@@ -316,6 +356,17 @@ CASES = [
     (["compare", "--scenes", "tilted", "--diff", "d.png"], ["--diff"]),
     (["compare", "--filters", "aniso", "good.png", "good.png"], ["--scenes"]),
     (["compare", "good.png", "good.png", "--diff", "no/d.png"], ["no/d.png", "cannot write"]),
+    # stress
+    *[(["stress", "--evaluations", n], ["--evaluations", n]) for n in ("0", "-5", "1e9", "10.5", "", "1000000000000001", "99999999999999999999999")],
+    *[(["stress", "--evaluations", "1000", "--" + name, n], ["--" + name, n]) for name, n in (
+        ("seed", "-1"), ("seed", "0x5"), ("seconds", "-1"), ("seconds", "nan"), ("seconds", "soon"), ("threads", "0"), ("threads", "257"))],
+    (["stress", "--profile", "best"], ["best", "seed"]),
+    (["stress", "--family", "nowhere"], ["nowhere", "horizon"]),
+    (["stress", "--case", "5"], ["--case", "--family"]),
+    *[(["stress", "--family", "horizon", "--case", n], ["--case", n]) for n in ("-1", "x", " 5", "18446744073709551616")],
+    *[(["stress", "--family", "horizon", "--case", "5", *more], ["--case", more[0]]) for more in (
+        ("--json", "j.json"), ("--evaluations", "9"), ("--seed", "2"), ("--seconds", "1"), ("--threads", "2"))],
+    (["stress", "--evaluations", "1000", "--json", "no/j.json"], ["no/j.json", "cannot write"]),
     # bench
     (["bench", "--scenes", "tilted,nowhere"], ["--scenes", "nowhere", "grazing"]),
     (["bench", "--scenes", "tilted,tilted"], ["--scenes", "twice"]),

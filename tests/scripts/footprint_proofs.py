@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: Apache-2.0
 """The proofs of proofs.py for the filters with a footprint: axis vectors and their direction, samples and their sums, squares, areas, contours.
 In the same manner: ranges and constants come from the headers (tests/identity/footprint_steps.cpp), every proof must fail without its
 precondition, and the formulas are compared with the C++ on random and extreme numbers. --links makes these comparisons only."""

@@ -23,7 +23,8 @@ def headers():
     # Kernels of one kind of core are parts of kernels.hpp.
     found += [f"spantex/rows/{p.name}" for p in sorted((ROOT / "firmware/spantex/rows").glob("*.hpp")) if not p.name.startswith("kernels_")]
     bench = [f"firmware/bench/{p.name}" for p in sorted((ROOT / "firmware/bench").glob("*.hpp"))]
-    return found + bench + ["hal/engine.hpp", "hal/direct_engine.hpp", "hal/span_archive.hpp"]
+    return found + bench + ["hal/engine.hpp", "hal/direct_engine.hpp", "hal/loading_engine.hpp", "hal/operation.hpp", "hal/ownership.hpp", "hal/span_archive.hpp", "hal/texel_loader.hpp",
+                            "firmware/targets/loaders.hpp"]
 
 
 def compiles(compiler, flags, source):

@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: Apache-2.0
 """Bit-vector proofs (z3) of the steps whose domain is too large to enumerate: no intermediate overflows for any valid input, and the
 claims the code relies on hold. Each is a search for a counterexample in arithmetic wider than the code's; 'unsat' proves the step. Each
 is tried again without its key precondition and must then fail.

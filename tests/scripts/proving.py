@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What proofs.py and footprint_proofs.py share: the library asked through tests/identity, random numbers that reach the ends of their ranges, the
 solver, and the order of a run: formulas against the C++, enumerations, proofs."""
 import os

@@ -4,6 +4,7 @@ import os
 import pathlib
 import struct
 import subprocess
+import tempfile
 import zlib
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
@@ -13,9 +14,30 @@ BINARY = pathlib.Path(os.environ.get("SPANTEX_BUILD", ROOT / "build")) / "spante
 FORMATS = "rgba8888 rgb565 argb1555 argb4444 rgb888 l8 la88 a8 palette8 palette4 bc1 bc2 bc3 etc1 etc2_rgb8 etc2_rgba8 etc2_rgb8a1".split()
 FACING = "0.912053716,-0.314742496,-140.780791,-0.331960405,-0.8647479,521.306321,0,0.000288959809,0.896575472"
 
+FILTERS = ["nearest", "bilinear", "three-point", "mip-bilinear", "trilinear", "trilinear3", "squares", "aniso", "step", "hat"]
+PROFILES = ["seed", "compact", "default", "exact"]
+WRAPS = ["repeat", "clamp", "mirror"]
+PREFILTERS = ["box", "triangle", "kaiser", "lanczos"]
+IDENTITY = "1,0,0,0,1,0,0,0,1"
+TILTED = "0.621854806,-0.142806403,-12.2821072,-0.226336639,-0.392357368,585.413164,0,0.000855254125,0.43752662"
+HORIZON = "0.21,-0.05,-31.7,-0.08,0.13,103.9,0.0002,0.0041,-0.171"
+
 
 def run(*arguments, cwd=None):
     return subprocess.run([str(BINARY), *map(str, arguments)], capture_output=True, text=True, errors="replace", cwd=cwd, timeout=300)
+
+
+def done(*arguments, cwd):
+    result = run(*arguments, cwd=cwd)
+    assert result.returncode == 0, f"spantex {' '.join(map(str, arguments))}: exit {result.returncode}: {result.stderr}"
+    assert result.stderr == "", f"spantex {' '.join(map(str, arguments))}: stderr in a pipe: {result.stderr!r}"
+    return result.stdout
+
+
+def plane(folder, out, texture="map.png", size="64x48", matrix=FACING, **more):
+    extra = [part for name, value in more.items() for part in ("--" + name, value)]
+    done("plane", "--texture", texture, "--size", size, "--matrix", matrix, "--out", out, *extra, cwd=folder)
+    return (folder / out).read_bytes()
 
 
 def png_bytes(width, height, colour_type=6, pixel=None):
@@ -73,3 +95,21 @@ def unfiltered(raw, height, stride):
 
 QUAD_WITH_UV = "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nusemtl m\nf 1/1 2/2 3/3 4/4\n"
 QUAD_WITHOUT_UV = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n"
+
+
+def run_tests(names):
+    """Every test_ of a module's names, each in a folder of its own that holds map.png; the exit code."""
+    failed = 0
+    for name, test in sorted(names.items()):
+        if not name.startswith("test_"):
+            continue
+        with tempfile.TemporaryDirectory() as folder:
+            folder = pathlib.Path(folder)
+            (folder / "map.png").write_bytes(png_bytes(128, 128))
+            try:
+                test(folder)
+                print(f"ok    {name}")
+            except AssertionError as error:
+                failed += 1
+                print(f"FAIL  {name}: {str(error)[:600]}")
+    return 1 if failed else 0

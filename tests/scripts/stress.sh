@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
 # The short form of `make stress`: 10^7 coordinates in every profile.
 set -eu
 spantex="${SPANTEX_BUILD:-build}/spantex"

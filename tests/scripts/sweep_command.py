@@ -35,6 +35,10 @@ REFUSED = [  # what is replaced in GOOD as it is written, what it is replaced by
     ('"step": 9', '"step": 0', "'step' must be"), ('"fig8"', '"fig88"', "scene: unknown 'fig88'"), ('"fig8"', '"tilted"', "'tilted' twice"),
     ('"cost"', '"price"', "unknown measure 'price'"), ('"profile": "exact"', '"profile": "best"', "profile: unknown 'best'"), ('"fine_side"', '"weight_bits"', "vary subtexel_bits"),
     ('"fine_side"', '"fine_sides"', "unknown axis 'fine_sides'"), ('"profile": "exact"', '"profile": 3.5', "must be a whole number"), ('"profile": "exact"', '"motion": "pan"', "scene fig8 has no motion 'pan'"),
+    ('"subtexel_bits": [\n     2,', '"subtexel_bits": [\n     "02",', "'02' is not a whole number"), ('"level_bits": [\n     2,', '"level_bits": [\n     NaN,', "not JSON"),
+    ('"subtexel_bits": [\n     2,', '"subtexel_bits": [\n     2.5,', "must be a whole number"), ('"subtexel_bits": [\n     2,', '"subtexel_bits": [\n     99999999999999999999,', "must be a whole number"),
+    ('"profile": "exact"', '"scene": "fig8"', "listed under 'scenes'"), ('"cost"', '"twin"', "measure 'twin' twice"), ('"name": "grid"', '"name": "a\\u0000b"', "control character"),
+    ('"name": "t"', '"name": 5', "'name' must be a text"), ('"fine_side"', '"fine\\nside"', "unknown axis 'fine?side'"), ('"points": 5', '"points": ' + "[" * 50000, "not JSON at '..."),
     ('"profile": "exact"', '"map": "missing.png"', "missing.png"), ('"points": 5', '"points": 5,,', "not JSON"), ('"points": 5', '"points": 5, "points": 6', "'points' twice"),
 ]
 
@@ -85,9 +89,20 @@ def the_same_rows(folder):
     other = write(folder, dict(GOOD, size="64x56"))
     done = run("sweep", other, "--out", one)
     assert done.returncode == 2 and "another study" in done.stderr and one.read_bytes() == whole, done
-    note = folder / "note.csv"
-    note.write_text("dear diary\n")
-    assert run("sweep", spec, "--out", note).returncode == 2 and note.read_text() == "dear diary\n"
+    note, spec = folder / "note.csv", write(folder, GOOD)
+    heading = whole[:whole.index(b"\n")]
+    for text in (b"dear diary\n", b"dear diary", heading + b",", heading + b"\nmy remark", whole + b"my remark", b"\n"):  # not one of them is what a cut write leaves
+        note.write_bytes(text)
+        done = run("sweep", spec, "--out", note)
+        assert done.returncode == 2 and done.stderr.count("\n") == 1 and note.read_bytes() == text, (text[-20:], done)
+    before_text = spec.read_bytes()
+    assert run("sweep", spec, "--out", spec).returncode == 2 and spec.read_bytes() == before_text, "the specification itself as the record"
+    assert "directory" in run("sweep", spec, "--merge", folder, "--out", note).stderr
+    with open("/dev/full", "w") as full:
+        done = subprocess.run([str(BINARY), "sweep", str(spec), "--points"], stdout=full, stderr=subprocess.PIPE, text=True)
+    assert done.returncode == 2 and done.stderr.count("\n") == 1, done
+    listed = [line.split(",") for line in run("sweep", spec, "--points").stdout.splitlines()]
+    assert listed == [line.split(",")[:len(listed[0])] for line in whole.decode().splitlines()], "--points says other points than were judged"
     return record.load(one)
 
 

@@ -35,7 +35,7 @@ std::string row_name(int row) {
       "honest", "wrong CRC", "wrong seal", "another sequence", "another command", "unknown code", "too long", "not spantex", "newer version",
       "other coefficients", "other profile", "no burst", "open refused", "other mask", "partial pixels", "short pixels", "always pending",
       "engine fails", "engine times out", "error line high", "busy line high", "refuses: incomplete", "refuses: length", "refuses: CRC",
-      "refuses: seal", "refuses coefficients"};
+      "refuses: seal", "refuses coefficients", "fewer fields", "more fields"};
   if (row == random_row) return "random schedules";
   return row < wire_fault_kind_count ? to_string(wire_fault_kind(row)) : lies[row - wire_fault_kind_count];
 }
@@ -64,10 +64,11 @@ uint64_t judge(Bench& bench, const std::vector<wire_fault>& faults, tally& sum, 
   return bench.calls();
 }
 
+template <int DataBits = 8>
 uint64_t calls_without_faults() {
   static const uint64_t n = [] {
     tally unused;
-    simulated_bench<prof> bench;
+    simulated_bench<prof, DataBits> bench;
     return judge(bench, {}, unused);
   }();
   return n;
@@ -81,6 +82,7 @@ std::vector<wire_fault> variants(wire_fault_kind kind) {
   };
   if (kind >= wire_fault_kind::call_fails) {
     if (kind == wire_fault_kind::sleeps) for (uint64_t ns : {10'000u, 150'000u, 30'000'000u}) v.push_back({kind, wire::d0, wire::d1, 1, 1, ns});
+    else if (kind >= wire_fault_kind::edge_lost) for (uint64_t ns : {10'000u, 90'000u}) for (uint64_t calls : {3u, 40u, 0u}) v.push_back({kind, wire::d0, wire::d1, 1, calls, ns});
     else if (kind == wire_fault_kind::restarts) v.push_back({kind, wire::d0, wire::d1, 1, 1, 0});
     else add(wire::d0, wire::d1);
     return v;
@@ -108,9 +110,27 @@ void sound_wires_give_the_right_pixels(void**) {
   print_message("%llu calls of the lines, %llu with four data lines\n", static_cast<unsigned long long>(calls), static_cast<unsigned long long>(narrow_calls));
 }
 
-// Every fault at call n, for all n up to a clean pass: one that begins after the job has ended.
+// A fault at every `stride`th call from `first` on, up to a clean pass: one that begins after the job has ended.
+template <int DataBits>
+void fault_at_calls(wire_fault f, uint64_t first, uint64_t stride, tally& t) {
+  const uint64_t calls = calls_without_faults<DataBits>();
+  for (f.first_call = first; f.first_call <= calls; f.first_call += stride) {
+    simulated_bench<prof, DataBits> bench;
+    judge(bench, {f}, t);
+  }
+  simulated_bench<prof, DataBits> bench;
+  tally clean;
+  f.first_call = calls + 1;
+  judge(bench, {f}, clean);
+  if (clean.right != 1) std::abort();
+}
+
+bool on_narrow_wires(wire w) { return w < wire::d4 || w > wire::d7; }
+
 void every_fault_at_every_call(void**) {
   const uint64_t calls = calls_without_faults();
+  (void)calls_without_faults<4>();
+  int done = 0;
   std::vector<wire_fault> all;
   for (int k = 0; k < wire_fault_kind_count; ++k)
     for (const wire_fault& f : variants(wire_fault_kind(k))) all.push_back(f);
@@ -119,22 +139,13 @@ void every_fault_at_every_call(void**) {
     const wire_fault& fault = all[size_t(k)];
     tally t;
     // Strides of a prime, from another call for each fault.
-    const uint64_t stride = long_run() ? 1 : 997;
-    for (uint64_t n = 1 + (long_run() ? 0 : uint64_t(k) * 61 % stride); n <= calls; n += stride) {
-      simulated_bench<prof> bench;
-      wire_fault f = fault;
-      f.first_call = n;
-      judge(bench, {f}, t);
-    }
-    simulated_bench<prof> bench;
-    wire_fault late = fault;
-    late.first_call = calls + 1;
-    tally clean;
-    judge(bench, {late}, clean);
+    const uint64_t stride = long_run() ? 1 : 997, narrow_stride = long_run() ? 29 : 1997;
+    fault_at_calls<8>(fault, 1 + uint64_t(k) * 61 % stride, stride, t);
+    if (on_narrow_wires(fault.a) && on_narrow_wires(fault.b)) fault_at_calls<4>(fault, 1 + uint64_t(k) * 61 % narrow_stride, narrow_stride, t);
     const std::lock_guard guard(lock);
-    if (clean.right != 1) std::abort();
-    // What happens once and for a moment is mended: by a repetition, or by a new session.
-    const bool momentary = fault.calls == 1 && fault.kind >= wire_fault_kind::flipped_at_host && fault.kind <= wire_fault_kind::restarts;
+    // What happens once and for a moment is mended: by a repetition, or by a new session. Events of edges only save time.
+    const bool momentary = (fault.calls == 1 && fault.kind >= wire_fault_kind::flipped_at_host && fault.kind <= wire_fault_kind::restarts) ||
+                           fault.kind >= wire_fault_kind::edge_lost;
     if (momentary && t.refused != 0) {
       fprintf(stderr, "%s: not mended\n", fault.text().c_str());
       std::abort();
@@ -144,14 +155,15 @@ void every_fault_at_every_call(void**) {
     row.right += t.right;
     row.refused += t.refused;
     row.add(t.counters);
+    if (++done % 50 == 0 && long_run()) print_message("%d of %zu faults\n", done, all.size());
   });
   uint64_t runs = 0;
   for (int k = 0; k < wire_fault_kind_count; ++k) {
     assert_true(table[k].runs > 0);
     runs += table[k].runs;
   }
-  print_message("%zu faults at %s of %llu calls: %llu runs\n", all.size(), long_run() ? "each" : "every 997th", static_cast<unsigned long long>(calls),
-                static_cast<unsigned long long>(runs));
+  print_message("%zu faults at %s of %llu calls, and on narrow wires: %llu runs\n", all.size(), long_run() ? "each" : "every 997th",
+                static_cast<unsigned long long>(calls), static_cast<unsigned long long>(runs));
 }
 
 void every_lie_from_every_answer(void**) {
@@ -167,7 +179,7 @@ void every_lie_from_every_answer(void**) {
   assert_int_equal(table[wire_fault_kind_count].refused, 0);  // an honest device
   // Lies that no repetition mends are never taken for the truth.
   for (lie l : {lie::wrong_crc, lie::wrong_seal, lie::another_sequence, lie::unknown_code, lie::too_long, lie::not_spantex, lie::newer_version,
-                lie::other_coefficients, lie::other_profile, lie::no_burst, lie::open_refused, lie::always_pending, lie::error_line_high}) {
+                lie::other_coefficients, lie::other_profile, lie::fewer_fields, lie::more_fields, lie::no_burst, lie::open_refused, lie::always_pending, lie::error_line_high}) {
     simulated_bench<prof, 8, direct, lying_responder> bench;
     bench.responder().told = l;
     tally t;
@@ -177,7 +189,7 @@ void every_lie_from_every_answer(void**) {
 }
 
 wire_fault random_fault(random_source& r, uint64_t calls) {
-  wire_fault f{wire_fault_kind(r.between(0, wire_fault_kind_count - 1))};
+  wire_fault f{wire_fault_kind(r.between(0, int(wire_fault_kind::sleeps)))};
   f.a = wire(r.between(0, wire_count - 1));
   f.b = wire((int(f.a) + int(r.between(1, wire_count - 1))) % wire_count);
   f.first_call = uint64_t(r.between(1, int64_t(calls)));
@@ -294,6 +306,97 @@ void a_device_that_is_gone_empties_both_halves(void**) {
   assert_pixels(got, expected(blue, 1));
 }
 
+// A device that sleeps longer than all recoveries last: patience waits for it, and what the halves held is there again.
+void patience_waits_for_a_device_that_comes_back(void**) {
+  for (uint64_t patience_ns : {uint64_t(0), uint64_t(2'000'000'000)}) {
+    simulated_bench<prof> bench;
+    bench_limits patient = limits;
+    patient.patience_ns = patience_ns;
+    bench_engine engine(bench, prof::value, patient);
+    load_all(engine, half::first, red, 0);
+    bench.lines().add({wire_fault_kind::sleeps, wire::d0, wire::d1, bench.calls() + 1, 1, 1'000'000'000});
+    const uint64_t begun = bench.now_ns();
+    const status s = engine.start(half::first, full_mask);
+    assert_int_equal(int(s), int(patience_ns == 0 ? status::device_timeout : status::ok));
+    assert_true(patience_ns == 0 ? bench.now_ns() - begun < 200'000'000 : bench.now_ns() - begun >= 1'000'000'000);
+    if (s != status::ok) continue;
+    span_pixels got{};
+    SPANTEX_ASSERT_OK(engine.take(half::first, got));
+    assert_pixels(got, expected(red, 0));
+    assert_true(engine.counters().recoveries > 2);
+  }
+}
+
+// However long a rig file lets it back off.
+void backing_off_ends_with_the_exchange(void**) {
+  simulated_bench<prof> bench;
+  bench_limits slow = limits;
+  slow.back_off_ns = 3'600'000'000'000;
+  slow.attempts = 100;
+  slow.recoveries = 100;
+  bench_engine engine(bench, prof::value, slow);
+  SPANTEX_ASSERT_OK(engine.connect());
+  bench.lines().add({wire_fault_kind::stuck_low, wire::ready, wire::ready, bench.calls() + 1, 0, 0});
+  const uint64_t begun = bench.now_ns();
+  SPANTEX_ASSERT_STATUS(engine.load_coefficients(half::first, reading(0)), device_timeout);
+  assert_true(bench.now_ns() - begun < 101 * (500'000'000 + 2 * limits.exchange_ns));
+}
+
+// --- profiles ------------------------------------------------------------------------------------------
+
+constexpr profile sharper = [] {
+  profile p = prof::value;
+  p.mip_bias = -8;
+  return p;
+}();
+
+void a_device_of_another_mip_bias_is_refused(void**) {
+  simulated_bench<fixed_profile<sharper>> bench;
+  bench_engine engine(bench, prof::value, limits);
+  SPANTEX_ASSERT_STATUS(engine.connect(), mismatch);
+  assert_string_equal(engine.trouble().c_str(), "the device has another profile: mip_bias -8, expected 0");
+  assert_int_equal(bench.lines().host.driven, 0);
+  bench_engine same(bench, sharper, limits);
+  SPANTEX_ASSERT_OK(same.connect());
+}
+
+// By the host, which names the field, and by a device that is asked for another than its own.
+void every_field_of_a_profile_is_compared(void**) {
+  int k = 0;
+  spantex::detail::for_each_field(prof::value, [&](const char* name, int) {
+    simulated_bench<prof, 8, direct, lying_responder> bench;
+    bench.responder().told = lie::other_profile;
+    bench.responder().field = k;
+    bench_engine engine(bench, prof::value, limits);
+    SPANTEX_ASSERT_STATUS(engine.connect(), mismatch);
+    if (engine.trouble().find(": " + std::string(name) + " ") == std::string::npos) fail_msg("field %s: %s", name, engine.trouble().c_str());
+
+    simulated_bench<prof> asked;
+    bench_link link(asked, limits);
+    SPANTEX_ASSERT_OK(link.reset());
+    bench::profile_fields fields = bench::fields_of(prof::value);
+    fields.value[k++] ^= 1;
+    bench::field_writer out = link.payload();
+    out(bench::protocol_version);
+    out(uint32_t(7));
+    bench::archive(out, fields);
+    SPANTEX_ASSERT_OK(link.exchange(bench::command::open, 0, out.size()));
+    assert_int_equal(int(link.code()), int(bench::result::other_profile));
+  });
+  assert_int_equal(k, bench::profile_field_count);
+}
+
+// A library whose profile has other fields is another version, not an unknown device.
+void a_profile_of_other_fields_is_another_version(void**) {
+  for (lie l : {lie::fewer_fields, lie::more_fields}) {
+    simulated_bench<prof, 8, direct, lying_responder> bench;
+    bench.responder().told = l;
+    bench_engine engine(bench, prof::value, limits);
+    SPANTEX_ASSERT_STATUS(engine.connect(), mismatch);
+    assert_string_equal(engine.trouble().c_str(), "the device speaks another version: its profile has other fields");
+  }
+}
+
 // However often single steps are in time.
 void an_exchange_has_an_end(void**) {
   simulated_bench<prof> bench;
@@ -331,6 +434,11 @@ int main() {
       cmocka_unit_test(a_device_that_restarts_gets_its_state_back),
       cmocka_unit_test(a_device_that_is_gone_empties_both_halves),
       cmocka_unit_test(interrupted_engine_lets_go),
+      cmocka_unit_test(patience_waits_for_a_device_that_comes_back),
+      cmocka_unit_test(backing_off_ends_with_the_exchange),
+      cmocka_unit_test(a_device_of_another_mip_bias_is_refused),
+      cmocka_unit_test(every_field_of_a_profile_is_compared),
+      cmocka_unit_test(a_profile_of_other_fields_is_another_version),
       cmocka_unit_test(an_exchange_has_an_end),
       cmocka_unit_test(every_fault_at_every_call),
       cmocka_unit_test(every_lie_from_every_answer),

@@ -209,6 +209,7 @@ void replays_a_recording(void**) {
 int main() {
   const CMUnitTest tests[] = {
       SPANTEX_ALL_CLAUSES(direct_rig),
+      SPANTEX_ALL_CLAUSES(loading_rig),
       SPANTEX_ALL_CLAUSES(sim_rig),
       SPANTEX_ALL_CLAUSES(recording_rig),
       SPANTEX_ALL_CLAUSES(faulty_rig),

@@ -77,7 +77,7 @@ void measure_span(const Prof& prof, const plane& p, const texture_view& t, int32
       const int k = __builtin_ctzll(rest), i = k % span_side, j = k / span_side;
       const int32_t hx = 2 * (sx * span_side + i) + 1, hy = 2 * (sy * span_side + j) + 1;
       if (!is_in_range(p, hx, hy)) continue;
-      const real want = limited(exact(hx, hy) + real(q.level_bias) / 16, t.last_level());
+      const real want = limited(biased_level(q, exact(hx, hy)), t.last_level());
       const real error = std::fabs(real(level_at(prof, job.coefficients, i, j)) / (1 << q.level_bits) - want);
       ++s.pixels;
       if (want > 0 && want < t.last_level()) ++s.inside;
@@ -129,6 +129,16 @@ SPANTEX_CASE(default_profile_is_within_a_128th_of_a_level) {
   assert_true(s.worst <= real(1) / 128);
 }
 
+// Rows and columns of the simulator's other spans lie elsewhere about their reference point (unit_variants::span_log2).
+SPANTEX_CASE(spans_of_4_and_16_are_within_a_256th_of_a_level) {
+  for (const int span_log2 : {2, 4}) {
+    const level_statistics s = measure_random(run_time_profile{profiles::exact, {.span_log2 = span_log2}}, 200);
+    s.print(span_log2 == 2 ? "exact, spans of 4" : "exact, spans of 16");
+    assert_true(s.pixels > 50000 && s.inside > 10000);
+    assert_true(s.worst <= real(1) / 256);
+  }
+}
+
 // The corners of what is_valid() allows: short mantissas with long slopes, and the reverse.
 SPANTEX_CASE(extreme_word_lengths_keep_the_bound_of_their_numbers) {
   for (const auto& [offset, reciprocal] : {std::pair(13, 12), std::pair(31, 12), std::pair(19, 12), std::pair(15, 30), std::pair(24, 16)}) {
@@ -147,6 +157,21 @@ SPANTEX_CASE(the_bias_is_added_in_sixteenths) {
   for (const int bias : {-128, -17, 1, 40, 127}) {
     run_time_profile prof{profiles::exact};
     prof.value.level_bias = bias;
+    const level_statistics s = measure_random(prof, 60);
+    assert_true(s.pixels > 5000);
+    assert_true(s.worst <= real(1) / 256);
+  }
+}
+
+SPANTEX_CASE(the_mip_bias_comes_in_over_the_first_level) {
+  assert_int_equal(finer(-1, -8), -1);
+  assert_int_equal(finer(0, -8), 0);
+  assert_int_equal(finer(1 << 15, -8), (1 << 15) - (1 << 14));
+  assert_int_equal(finer(1 << 16, -8), 1 << 15);
+  assert_int_equal(finer(5 << 16, -8), (5 << 16) - (1 << 15));
+  for (const int bias : {-16, -8, -3, 0}) {
+    run_time_profile prof{profiles::exact};
+    prof.value.mip_bias = bias;
     const level_statistics s = measure_random(prof, 60);
     assert_true(s.pixels > 5000);
     assert_true(s.worst <= real(1) / 256);
@@ -266,7 +291,7 @@ SPANTEX_CASE(filters_without_levels_stay_on_the_full_map) {
     for (int32_t level = 0; level <= 12 << 8; ++level) assert_int_equal(integer_level(kind, level, 8, 12), 0);
 }
 
-// A map seen face on, one texel a pixel, two, four: whole levels, exactly.
+// A map seen face on, one texel a pixel, two, four: whole levels, exactly, less the bias.
 SPANTEX_CASE(powers_of_two_of_texels_per_pixel_are_whole_levels) {
   const fixed_profile<profiles::exact> prof;
   const texture_view t = unread_view(4096, 4096);
@@ -278,7 +303,7 @@ SPANTEX_CASE(powers_of_two_of_texels_per_pixel_are_whole_levels) {
     const surface what{&p, &t, filter::trilinear};
     SPANTEX_ASSERT_OK(plan_span(prof, what, 5, 7, full_mask, [&](span_job& job) {
       for (span_mask rest = job.mask; rest != 0; rest &= rest - 1)
-        assert_int_equal(level_at(prof, job.coefficients, __builtin_ctzll(rest) % 8, __builtin_ctzll(rest) / 8), level << 8);
+        assert_int_equal(level_at(prof, job.coefficients, __builtin_ctzll(rest) % 8, __builtin_ctzll(rest) / 8), level == 0 ? 0 : (level << 8) + profiles::exact.mip_bias * 16);
       return status::ok;
     }));
   }
@@ -288,8 +313,10 @@ int main() {
   const CMUnitTest tests[] = {
       cmocka_unit_test(exact_profile_is_within_a_256th_of_a_level),
       cmocka_unit_test(default_profile_is_within_a_128th_of_a_level),
+      cmocka_unit_test(spans_of_4_and_16_are_within_a_256th_of_a_level),
       cmocka_unit_test(extreme_word_lengths_keep_the_bound_of_their_numbers),
       cmocka_unit_test(the_bias_is_added_in_sixteenths),
+      cmocka_unit_test(the_mip_bias_comes_in_over_the_first_level),
       cmocka_unit_test(spans_across_the_horizon_are_within_a_256th_of_a_level),
       cmocka_unit_test(the_major_axis_formula_is_within_a_256th_of_a_level),
       cmocka_unit_test(the_minor_axis_formula_is_within_a_256th_of_a_level),

@@ -263,12 +263,14 @@ static void check_jobs() {
         const int32_t sx = (n * 37 + 5) % 80, sy = n;
         const span_mask mask = front_mask(p, sx, sy);
         span_mask seen = 0;
+        int planned = 0;  // reciprocals that planning itself took: one for all pixels, or each its own
         if (mask == 0) continue;
         SPANTEX_ASSERT_OK(plan_span(prof, s, sx, sy, mask, [&](span_job& job) {
           const span_coefficients& c = job.coefficients;
           assert_true(job.mask != 0 && (job.mask & ~mask) == 0 && (seen & job.mask) == 0);
           assert_true(job.completes || c.axis.partial);
           if (job.completes) seen |= job.mask;
+          planned += job.divides - (job.completes ? spantex::detail::reciprocals_a_pixel(kind, c.how) * __builtin_popcountll(job.mask) : 0);
           const auto holds = [](const texel_box& b, const section& at, int side) {
             return b.u0 >= at.origin_u && b.v0 >= at.origin_v && b.u1 < at.origin_u + side && b.v1 < at.origin_v + side;
           };
@@ -289,6 +291,7 @@ static void check_jobs() {
           return status::ok;
         }));
         assert_true(seen == mask);
+        assert_true(planned == 1 || planned == __builtin_popcountll(mask));
       }
     }
 }

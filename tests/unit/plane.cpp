@@ -204,6 +204,7 @@ SPANTEX_CASE(kt88_levels_follow_the_formula_of_the_major_axis) {
   const view s = make_view(640, 480);
   run_time_profile prof{profiles::exact};
   prof.value.formula = level_formula::major;
+  prof.value.mip_bias = 0;
   const texture_view t = unread_view(4096, 4096);
   int64_t checked = 0;
   for (const real pitch : {80.0L, 40.0L, 18.0L}) {

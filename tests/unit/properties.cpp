@@ -30,7 +30,7 @@ template <class Filters, class Use>
 void for_each_combination(const Filters& filters, Use use) {
   for_each_profile([&](auto prof, const char* name) {
     for (const filter kind : filters)
-      for (const texel_format format : all_formats)
+      for (const texel_format format : plain_formats)
         for (const wrap u : all_wraps)
           for (const wrap v : all_wraps)
             if (u == v ? !uses_area(kind) || format == texel_format::rgba8888 : !short_run() && !uses_area(kind)) use(prof, name, kind, format, u, v);
@@ -79,45 +79,70 @@ SPANTEX_CASE(constant_in_constant_out) {
   });
 }
 
-// One pass over the pictures for what concerns a single pixel.
+struct judged_pixels { int64_t pixels = 0, left_out = 0; };
+
+// One pass over a picture for what concerns a single pixel; `what` tells the combination.
+template <class Prof>
+static void judge_picture(const Prof& prof, const char* what, filter kind, const texture_view& t, int k, rounding_error& error, judged_pixels& judged) {
+  const profile& q = prof.get();
+  const plane p = view_plane(k);
+  draw_view(prof, p, t, kind);
+  each_source(prof, {&p, &t, kind}, area, [&](int32_t x, int32_t y, const pixel_source& source) {
+    ++judged.pixels;
+    if (source.corrected) {
+      ++judged.left_out;
+      return;
+    }
+    const auto wrong = [&](const char* how) { fail_msg("%s: %s, filter %d, view %d, (%d, %d)", how, what, int(kind), k, int(x), int(y)); };
+    if (!(at(x, y) == from_whole_map(q, t, kind, source))) wrong("differs from the whole map");
+    const shares mix = shares_of(source, t, kind, q.subtexel_bits, q.level_bits);
+    for (int c = 0; c < channel_count; ++c) {
+      const uint32_t got = channel_of(at(x, y), c);
+      if (got < mix.smallest(c) || got > mix.largest(c)) wrong("not between its texels");
+      if (c < 3) error.note(got, mix.value(c), mix.bits);
+    }
+  });
+}
+
 SPANTEX_CASE(pixels_are_what_their_texels_and_weights_make) {
-  int64_t pixels = 0, left_out = 0;
+  judged_pixels judged;
   double largest_mean = 0;
   for_each_combination(one_sample_filters, [&](auto prof, const char* name, filter kind, texel_format format, wrap wrap_u, wrap wrap_v) {
-    const profile& q = prof.get();
+    char what[64];
+    std::snprintf(what, sizeof what, "%s, format %d, wrap %d %d", name, int(format), int(wrap_u), int(wrap_v));
     rounding_error error;
-    for (int k = 0; k < view_count; ++k) {
-      const plane p = view_plane(k);
-      const texture_view t = in_format(map_for(k), format).view(wrap_u, wrap_v);
-      draw_view(prof, p, t, kind);
-      const surface s{&p, &t, kind};
-      each_source(prof, s, area, [&](int32_t x, int32_t y, const pixel_source& source) {
-        ++pixels;
-        if (source.corrected) {
-          ++left_out;
-          return;
-        }
-        const auto wrong = [&](const char* what) {
-          fail_msg("%s: %s, filter %d, format %d, wrap %d %d, view %d, (%d, %d)", what, name, int(kind), int(format), int(wrap_u),
-                   int(wrap_v), k, int(x), int(y));
-        };
-        if (!(at(x, y) == from_whole_map(q, t, kind, source))) wrong("differs from the whole map");
-        const shares mix = shares_of(source, t, kind, q.subtexel_bits, q.level_bits);
-        for (int c = 0; c < channel_count; ++c) {
-          const uint32_t got = channel_of(at(x, y), c);
-          if (got < mix.smallest(c) || got > mix.largest(c)) wrong("not between its texels");
-          if (c < 3) error.note(got, mix.value(c), mix.bits);
-        }
-      });
-    }
-    if (!error.is_within_bound(q, uses_two_levels(kind))) fail_msg("%s, filter %d: %.5f LSB", name, int(kind), error.worst_lsb());
+    for (int k = 0; k < view_count; ++k) judge_picture(prof, what, kind, in_format(map_for(k), format).view(wrap_u, wrap_v), k, error, judged);
+    if (!error.is_within_bound(prof.get(), uses_two_levels(kind))) fail_msg("%s, filter %d: %.5f LSB", name, int(kind), error.worst_lsb());
     if (!error.is_unbiased()) fail_msg("%s, filter %d, format %d: mean error %.4f LSB", name, int(kind), int(format), error.mean_lsb());
     if (kind == filter::nearest) assert_int_equal(error.worst, 0);
     largest_mean = std::fmax(largest_mean, std::fabs(error.mean_lsb()));
   });
   std::printf("# %lld pixels, %.1f %% left out (clamped by seed); largest mean error %.4f LSB\n",
-              static_cast<long long>(pixels), 100.0 * double(left_out) / double(pixels), largest_mean);
-  assert_true(left_out < pixels / 4);
+              static_cast<long long>(judged.pixels), 100.0 * double(judged.left_out) / double(judged.pixels), largest_mean);
+  assert_true(judged.left_out < judged.pixels / 4);
+}
+
+// Any bytes are a map of bytes, palettes or blocks. Wraps and views in turn.
+SPANTEX_CASE(pixels_of_every_other_format_are_what_their_texels_make) {
+  judged_pixels judged;
+  size_t turn = 0;
+  for_each_profile([&](auto prof, const char* name) {
+    for (const filter kind : one_sample_filters)
+      for_each_other_format(turn, [&](texel_format format, size_t n) {
+        char what[64];
+        std::snprintf(what, sizeof what, "%s, format %d", name, int(format));
+        rounding_error error;
+        for (const int k : {int(n % view_count), int((n + 2) % view_count)}) {
+          const level_pixels& like = map_for(k).levels[0];
+          const raw_map& map = random_map(format, like.width, like.height, all_wraps[n % 3], all_wraps[n / 3 % 3], n);
+          judge_picture(prof, what, kind, map.view, k, error, judged);
+        }
+        if (!error.is_within_bound(prof.get(), uses_two_levels(kind))) fail_msg("%s, filter %d: %.5f LSB", what, int(kind), error.worst_lsb());
+        if (kind == filter::nearest) assert_int_equal(error.worst, 0);
+      });
+  });
+  std::printf("# %lld pixels, %.1f %% left out (clamped by seed)\n", static_cast<long long>(judged.pixels), 100.0 * double(judged.left_out) / double(judged.pixels));
+  assert_true(judged.left_out < judged.pixels / 4);
 }
 
 // A profile that splits is never corrected; compact raises the level instead.
@@ -138,7 +163,7 @@ SPANTEX_CASE(only_seed_is_ever_corrected) {
 SPANTEX_CASE(point_sampling_is_exact) {
   for_each_profile([&](auto prof, const char* name) {
     int64_t near_an_edge = 0, corrected = 0, pixels = 0;
-    for (const texel_format format : all_formats)
+    for (const texel_format format : plain_formats)
       for (const wrap wrap_u : all_wraps)
         for (const wrap wrap_v : all_wraps)
           for (int k = 0; k < view_count; ++k) {
@@ -337,6 +362,7 @@ int main() {
   const CMUnitTest tests[] = {
       cmocka_unit_test(constant_in_constant_out),
       cmocka_unit_test(pixels_are_what_their_texels_and_weights_make),
+      cmocka_unit_test(pixels_of_every_other_format_are_what_their_texels_make),
       cmocka_unit_test(weights_of_a_half_and_a_quarter_have_no_bias),
       cmocka_unit_test(only_seed_is_ever_corrected),
       cmocka_unit_test(point_sampling_is_exact),

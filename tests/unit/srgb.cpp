@@ -98,10 +98,16 @@ SPANTEX_CASE(a_constant_map_keeps_its_codes) {
       t.set_colours(colour_space::srgb);
       for (const filter kind : all_filters) {
         if (kind == filter::contour) continue;
-        shown.reset(16, 16);
-        SPANTEX_ASSERT_OK(render_plane_direct<32>(run_time_profile{value}, sample_plane(1, {0, 0, 16, 16}), t, kind, shown));
-        for (const rgba8& got : shown.pixels)
-          assert_true((got == rgba8{uint8_t(c), uint8_t(255 - c), uint8_t(c / 2), uint8_t(c)}));
+        for (const int magnified_log2 : {0, 4}) {  // two levels, and one
+          homography m = sample_homography(1);
+          for (wide* x : {&m.a, &m.b, &m.c, &m.d, &m.e, &m.f}) *x = shift_right_floor(*x, magnified_log2);
+          plane p{};
+          SPANTEX_ASSERT_OK(make_plane(m, {0, 0, 16, 16}, p));
+          shown.reset(16, 16);
+          SPANTEX_ASSERT_OK(render_plane_direct<32>(run_time_profile{value}, p, t, kind, shown));
+          for (const rgba8& got : shown.pixels)
+            assert_true((got == rgba8{uint8_t(c), uint8_t(255 - c), uint8_t(c / 2), uint8_t(c)}));
+        }
       }
     }
 }

@@ -1,0 +1,263 @@
+// SPDX-License-Identifier: Apache-2.0
+// Levels of Quake III: a small map made here, whole and damaged; a walk through it. What depth complexity costs in texture words and filtered pixels, drawn
+// nearest first with floors, against every surface's own visible pixels: of a stack, and of frames of real levels where their package is installed.
+#include <unistd.h>
+
+#include <bit>
+#include <cmath>
+#include <filesystem>
+#include <string>
+
+#include <sim/level.hpp>
+#include <tests/support.hpp>  // last: cmocka's macro fail is a name of the standard library's
+
+using namespace spantex;
+using namespace spantex::sim;
+
+namespace {
+
+namespace fs = std::filesystem;
+
+// --- cost of what is hidden ----------------------------------------------------------------------------
+
+struct work { uint64_t words, pixels; };
+
+work drawn(const scene& s, std::vector<uint32_t>& depths) {
+  using standard = fixed_profile<profiles::standard>;
+  const size_t columns = size_t(s.size.width_px + 7) / 8, rows = size_t(s.size.height_px + 7) / 8;
+  std::vector<uint32_t> floors(columns * rows);
+  image picture(s.size.width_px, s.size.height_px, {});
+  direct_engine<standard> engine{standard{}};
+  renderer<direct_engine<standard>, standard> r(engine, standard{}, {picture.pixels.data(), s.size.width_px, s.size.height_px, s.size.width_px});
+  for (const drawable& d : s.items) SPANTEX_ASSERT_OK(r.draw(d.shape, s.texture(d), filter::trilinear, {depths.data(), floors.data()}));
+  SPANTEX_ASSERT_OK(r.finish());
+  return {r.counters().words_loaded, r.counters().pixels};
+}
+
+struct cost { work all, visible; overdraw over; };
+
+// Visible: depths are there beforehand, one less than the nearest surface's, so that each surface draws just what is seen of it.
+cost cost_of(const scene& s) {
+  std::vector<uint32_t> depths(size_t(s.size.width_px) * size_t(s.size.height_px));
+  cost c{drawn(s, depths), {}, overdraw_of(s)};
+  for (uint32_t& z : depths) z -= z != 0;
+  c.visible = drawn(s, depths);
+  assert_int_equal(c.visible.pixels, c.over.pixels_shown);
+  return c;
+}
+
+bool costs_little_more(const char* name, const cost& c) {
+  printf("%s: overdraw %.2f, words %.3f, filtered pixels %.3f of what the visible pixels cost\n", name, double(c.over.pixels_tested) / double(c.over.pixels_shown),
+         double(c.all.words) / double(c.visible.words), double(c.all.pixels) / double(c.visible.pixels));
+  return 10 * c.all.words <= 13 * c.visible.words && 10 * c.all.pixels <= 13 * c.visible.pixels;
+}
+
+constexpr screen_size screen{320, 240};
+
+std::shared_ptr<const map_list> one_map() {
+  image picture(256, 256, {});
+  for (int y = 0; y < 256; ++y)
+    for (int x = 0; x < 256; ++x) picture.at(x, y) = {uint8_t(x), uint8_t(y), uint8_t(x ^ y), 255};
+  map_list maps;
+  maps.emplace_back(std::move(picture), prefilter::box, wrap::repeat, wrap::repeat);
+  return std::make_shared<const map_list>(std::move(maps));
+}
+
+// Layers of squares, each square tilted at random within its layer's depth: nothing is parallel, and neighbours do not meet.
+scene stack(int layers) {
+  constexpr int across = 10, down = 8;
+  constexpr double vertical = 0.9, side = 0.16;
+  scene s{"stack", screen, one_map(), {}};
+  const lens view = make_lens(screen, vertical, 0.25);
+  random_source random(7);
+  for (int layer = 0; layer < layers; ++layer)
+    for (int j = -down / 2; j < down / 2; ++j)
+      for (int i = -across / 2; i < across / 2; ++i) {
+        const double depth = 1 + 0.5 * layer, size = side * depth * 1.02, x = i * side * depth, y = j * side * depth;
+        const double tilt = double(random.between(-20, 20)) / 100, lean = double(random.between(-20, 20)) / 100;
+        const auto corner = [&](double a, double b) {
+          const double z = depth + 0.2 * (tilt * (a - 0.5) + lean * (b - 0.5)) * depth;
+          return vertex{to_fixed(x + a * size), to_fixed(y + b * size), to_fixed(z), to_fixed(64 * a * depth), to_fixed(64 * b * depth)};
+        };
+        const vertex v[4] = {corner(0, 0), corner(1, 0), corner(1, 1), corner(0, 1)};
+        add_polygon(s, view, v, 4, 0);
+      }
+  return s;
+}
+
+SPANTEX_CASE(eight_layers_cost_at_most_three_tenths_more_than_one) {
+  static scene deep, flat;
+  deep = stack(8), flat = stack(1);
+  nearest_first(deep), nearest_first(flat);
+  const cost eight = cost_of(deep), one = cost_of(flat);
+  assert_true(eight.over.pixels_tested > 7 * eight.over.pixels_shown);
+  assert_true(costs_little_more("stack of 8 against its visible pixels", eight));
+  assert_true(10 * eight.all.words <= 13 * one.all.words);
+  assert_true(10 * eight.all.pixels <= 13 * one.all.pixels);
+}
+
+SPANTEX_CASE(frames_of_levels_cost_at_most_three_tenths_more_than_their_visible_pixels) {
+  const char* const archive = "/usr/share/games/openarena/baseoa/pak1-maps.pk3";
+  if (access(archive, R_OK) != 0) skip();  // tools/setup levels
+  for (const char* const name : {"oa_dm3", "oa_rpg3dm2", "czest1dm"}) {
+    static level l;
+    static scene s;
+    l = load_level(archive, name, {});
+    cost sum{};
+    for (const viewpoint& v : tour(l, 6)) {
+      camera_options c;
+      c.eye = v.eye, c.target = v.target, c.vertical_degrees = 60;
+      s = look_at(l.drawn, c, screen);
+      nearest_first(s);
+      const cost frame = cost_of(s);
+      sum.all.words += frame.all.words, sum.all.pixels += frame.all.pixels;
+      sum.visible.words += frame.visible.words, sum.visible.pixels += frame.visible.pixels;
+      sum.over.pixels_tested += frame.over.pixels_tested, sum.over.pixels_shown += frame.over.pixels_shown;
+    }
+    assert_true(costs_little_more(name, sum));
+  }
+}
+
+// --- reading -------------------------------------------------------------------------------------------
+
+bytes little_endian(std::initializer_list<uint32_t> values) {
+  bytes b;
+  for (const uint32_t v : values)
+    for (int k = 0; k < 4; ++k) b.push_back(uint8_t(v >> (8 * k)));
+  return b;
+}
+uint32_t bits(float x) { return std::bit_cast<uint32_t>(x); }
+void append(bytes& to, const bytes& more) { to.insert(to.end(), more.begin(), more.end()); }
+
+bytes bsp_vertex(float x, float y, float z, float u, float v) {
+  return little_endian({bits(x), bits(y), bits(z), bits(u), bits(v), 0, 0, 0, 0, 0, 0});
+}
+bytes bsp_face(uint32_t texture, uint32_t type, uint32_t vertex, uint32_t vertices, uint32_t index, uint32_t indices, uint32_t width, uint32_t height) {
+  bytes f = little_endian({texture, 0, type, vertex, vertices, index, indices});
+  f.resize(96);
+  append(f, little_endian({width, height}));
+  return f;
+}
+bytes bsp_texture(const std::string& name, uint32_t flags) {
+  bytes t(name.begin(), name.end());
+  t.resize(64);
+  append(t, little_endian({flags, 0}));
+  return t;
+}
+
+// A square as a polygon of two triangles, a flat patch of nine points, and the square once more as sky.
+bytes small_map() {
+  bytes lumps[17];
+  const std::string entities = "{ \"classname\" \"worldspawn\" }\n{ \"origin\" \"1 2 3\" \"classname\" \"info_player_start\" }\n"
+                               "{ \"classname\" \"weapon_x\" \"origin\" \"9 2 3\" }\n{ \"classname\" \"light\" \"origin\" \"0 0 0\" }";
+  lumps[0] = bytes(entities.begin(), entities.end());
+  append(lumps[1], bsp_texture("textures/a", 0));
+  append(lumps[1], bsp_texture("textures/a", 4));
+  for (int k = 0; k < 4; ++k) append(lumps[10], bsp_vertex(float(k % 2 * 64), 32, float(k / 2 * 64), float(k % 2) + 5, float(k / 2) - 3));
+  for (int k = 0; k < 9; ++k) append(lumps[10], bsp_vertex(float(k % 3 * 32), float(k / 3 * 32 + 64), 0, float(k % 3) / 2, float(k / 3) / 2));
+  lumps[11] = little_endian({0, 1, 2, 2, 1, 3});
+  append(lumps[13], bsp_face(0, 1, 0, 4, 0, 6, 0, 0));
+  append(lumps[13], bsp_face(0, 2, 4, 9, 0, 0, 3, 3));
+  append(lumps[13], bsp_face(1, 1, 0, 4, 0, 6, 0, 0));
+  bytes file{'I', 'B', 'S', 'P'}, body;
+  append(file, little_endian({46}));
+  for (const bytes& l : lumps) {
+    append(file, little_endian({uint32_t(8 + 8 * 17 + body.size()), uint32_t(l.size())}));
+    append(body, l);
+  }
+  append(file, body);
+  return file;
+}
+
+struct folder {
+  std::string path = (fs::temp_directory_path() / ("spantex-level-" + std::to_string(getpid()))).string();
+  folder() { fs::create_directories(path + "/maps"), fs::create_directories(path + "/textures"); }
+  ~folder() { fs::remove_all(path); }
+  void write(const std::string& name, const bytes& data) const { output_file(path + "/" + name).write(data); }
+};
+
+SPANTEX_CASE(a_map_is_read_with_its_patches_and_places) {
+  static folder f;
+  static level l;
+  f.write("maps/m.bsp", small_map());
+  l = load_level(f.path + "/maps/m.bsp", "", {});
+  assert_int_equal(l.drawn.faces.size(), 2 + 32);  // no sky
+  assert_int_equal(l.missing.size(), 1);
+  assert_int_equal(l.places.size(), 2);
+  assert_true((l.places[0] == vector3d{1, 3 + 26, -2} && l.places[1] == vector3d{9, 3 + 26, -2}));
+  f.write("textures/a.png", encode_png(image(16, 8, {10, 20, 30, 255})));
+  l = load_level(f.path + "/maps/m.bsp", "", {});
+  assert_int_equal(l.missing.size(), 0);
+  const world_face& first = l.drawn.faces[0];  // u of 5..6 periods of 16 texels, v of -3..-2 of 8: whole periods off; v grows as in the file
+  assert_true((first.corners[1].position == vector3d{64, 0, -32} && first.corners[1].u == 16 && first.corners[1].v == 0 && first.corners[2].v == 8));
+  double area = 0;  // of the patch
+  for (size_t k = 2; k < l.drawn.faces.size(); ++k) {
+    const auto& c = l.drawn.faces[k].corners;
+    area += std::fabs((c[1].position[0] - c[0].position[0]) * (c[2].position[2] - c[0].position[2]) -
+                      (c[2].position[0] - c[0].position[0]) * (c[1].position[2] - c[0].position[2])) / 2;
+  }
+  assert_true(std::fabs(area - 64 * 64) < 1e-9);
+}
+
+// Nothing to be read leaves by anything but input_error; sanitizers see what is read beyond the file.
+SPANTEX_CASE(damaged_maps_are_refused) {
+  static folder f;
+  static bytes map;
+  const auto refused = [&] {
+    f.write("maps/m.bsp", map);
+    try {
+      (void)load_level(f.path + "/maps/m.bsp", "", {});
+    } catch (const input_error&) {
+      return true;
+    }
+    return false;
+  };
+  const bytes good = small_map();
+  map = good;
+  assert_false(refused());
+  for (size_t size = 0; size < good.size(); size += 7) {
+    map.assign(good.begin(), good.begin() + std::ptrdiff_t(size));
+    assert_true(refused());
+  }
+  map = good;
+  map[size_t(map[8 + 8 * 11]) | size_t(map[9 + 8 * 11]) << 8] = 4;  // the first index, of four vertices
+  assert_true(refused());
+  random_source random(5);
+  int refusals = 0;
+  for (int n = 0; n < 2000; ++n) {
+    map = good;
+    map[size_t(random.between(4, int64_t(map.size()) - 1))] = uint8_t(random.next());
+    refusals += refused();
+  }
+  assert_in_range(refusals, 100, 1999);
+}
+
+SPANTEX_CASE(a_walk_goes_where_nothing_is_in_the_way) {
+  static level l;
+  const auto wall = [](double x) {  // across the z axis' plane, from the floor up
+    return world_face{{{{x, -100, -100}, 0, 0}, {{x, 300, -100}, 0, 0}, {{x, -100, 300}, 0, 0}}, 0};
+  };
+  l = {{"walk", nullptr, {wall(50)}, {}, 0}, {{0, 0, 0}, {100, 0, 0}, {0, 0, 40}, {100, 0, 40}}, {}};
+  int crossings = 0;
+  static std::vector<viewpoint> views;
+  views = tour(l, 80);
+  for (size_t k = 1; k < views.size(); ++k) crossings += (views[k].eye[0] < 50) != (views[k - 1].eye[0] < 50);
+  assert_int_equal(views.size(), 80);
+  assert_int_equal(crossings, 1);  // the leap
+  for (const viewpoint& v : views) assert_true(v.eye[0] == 0 || v.eye[0] == 100);
+  l.places.resize(1);
+  assert_true((tour(l, 4)[0].eye == vector3d{0, 0, 0}));
+}
+
+}  // namespace
+
+int main() {
+  const CMUnitTest tests[] = {
+      cmocka_unit_test(eight_layers_cost_at_most_three_tenths_more_than_one),
+      cmocka_unit_test(frames_of_levels_cost_at_most_three_tenths_more_than_their_visible_pixels),
+      cmocka_unit_test(a_map_is_read_with_its_patches_and_places),
+      cmocka_unit_test(damaged_maps_are_refused),
+      cmocka_unit_test(a_walk_goes_where_nothing_is_in_the_way),
+  };
+  return run_suite("quake_level", tests);
+}
