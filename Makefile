@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # spantex: every entry point. `make help` lists the targets.
 MAKEFLAGS += --no-builtin-rules
 .DEFAULT_GOAL := all
@@ -34,7 +35,11 @@ PEER_mesa    := $(call peer_flags,osmesa)
 PEER_opencv  := $(or $(call peer_flags,opencv4),$(if $(wildcard /usr/include/opencv4/opencv2/imgproc.hpp),-isystem /usr/include/opencv4 -lopencv_imgproc -lopencv_core))
 PEERS        := $(foreach p,pixman opencv mesa,$(if $(strip $(PEER_$(p))),$(B)/peers/$(p).so))
 
-.PHONY: all demo demo-m4 compare bench sweep report check-report test targets sizes stress stress-bench test-gpio fuzz sanitize check-gates unit-tests clean help setup-build setup-test setup-demo setup-compare setup-devices setup-report setup-browser
+.PHONY: all demo demo-m4 demo-drawing compare bench bench-levels sweep report check-report install uninstall amalgamation arduino test targets sizes stress stress-bench test-gpio fuzz sanitize check-gates unit-tests clean help setup-build setup-install setup-test setup-demo setup-compare setup-devices setup-report setup-browser setup-levels
+
+# Where `make install` puts the command, headers, the CMake package, spantex.pc and the man page; DESTDIR comes before all of them, as packagers expect.
+PREFIX   ?= /usr/local
+DESTDIR  ?=
 
 all: setup-build ## build the command: build/spantex
 	@$(MAKE) --no-print-directory -j$(JOBS) $(B)/spantex
@@ -42,7 +47,7 @@ all: setup-build ## build the command: build/spantex
 demo: setup-build setup-demo all ## render the demo pictures into build/demo and print one table
 	@$(B)/spantex demo --out $(B)/demo
 
-compare: setup-build setup-compare all ## the tables, pictures and plot of docs/METHODS-COMPARED.md into build/compare
+compare: setup-build setup-compare all ## docs/METHODS-COMPARED.md made anew, with pictures: build/compare/index.html, tables, plot
 	@tools/compare_methods --build $(B) --out $(B)/compare
 
 BENCH ?= --repeat 9
@@ -51,6 +56,17 @@ bench: setup-build setup-bench setup-demo setup-compare ## time against error, o
 	@mkdir -p $(B)/bench
 	@$(B)/spantex bench --growth $(BENCH) --json $(B)/bench/bench.json > $(B)/bench/table.txt; code=$$?; cat $(B)/bench/table.txt; exit $$code
 	@tools/plot_bench $(B)/bench/bench.json --out $(B)/bench
+
+# Debian's packages of OpenArena: data for this target alone, which no test installs.
+LEVELS       ?= oa_dm3 oa_rpg3dm2 czest1dm
+LEVEL_FRAMES ?= 120
+LEVEL_VIEW   ?= --size 640x480 --fov 60 --repeat 5
+LEVEL_MAPS   ?= /usr/share/games/openarena/baseoa/pak1-maps.pk3
+bench-levels: setup-build setup-levels all ## walks through OpenArena's levels: time a frame against pixels, overdraw, polygons: build/levels/{table.txt,levels.json,levels.png}, a folder of pictures a level
+	@rm -rf $(B)/levels/stats
+	@mkdir -p $(B)/levels/stats $(LEVELS:%=$(B)/levels/%)
+	@for l in $(LEVELS); do $(B)/spantex render $(LEVEL_MAPS) --map $$l $(LEVEL_VIEW) --frames $(LEVEL_FRAMES) --out $(B)/levels/$$l/%04d.png --stats $(B)/levels/stats/$$l.json || exit 1; done
+	@tools/plot_levels $(B)/levels/stats/*.json --out $(B)/levels > $(B)/levels/table.txt && cat $(B)/levels/table.txt
 
 sweep: setup-build all ## the standard study of precision against quality (tools/sweeps/standard.json), minutes; an ended one goes on: build/sweeps/standard.csv
 	@mkdir -p $(B)/sweeps
@@ -61,6 +77,24 @@ report: sweep setup-report ## plots and tables of the standard study: build/repo
 
 check-report: report setup-browser ## the report in headless Chromium, light and dark: build/report/light.png, dark.png
 	@tools/check_report --report $(B)/report/index.html --out $(B)/report
+
+install: setup-build setup-install all ## install the command, headers, CMake package, spantex.pc and man page into PREFIX (/usr/local), below DESTDIR
+	@cmake -S . -B $(B)/install -DCMAKE_INSTALL_PREFIX="$(abspath $(PREFIX))" -DSPANTEX_COMMAND="$(abspath $(B)/spantex)" >/dev/null
+	@cmake --build $(B)/install >/dev/null
+	@DESTDIR="$(DESTDIR)" cmake --install $(B)/install >/dev/null
+	@echo "installed: $(DESTDIR)$(abspath $(PREFIX))"
+
+uninstall: ## remove what the last `make install` put there
+	@test -f $(B)/install/install_manifest.txt || { echo "nothing was installed from $(B)" >&2; exit 2; }
+	@sed "s|^|$(DESTDIR)|" $(B)/install/install_manifest.txt | tr '\n' '\0' | xargs -0 rm -f
+	@cd "$(DESTDIR)$(abspath $(PREFIX))" && find include/spantex share/doc/spantex lib/cmake/spantex -depth -type d -empty -delete 2>/dev/null || true
+
+amalgamation: ## the device library in one header: build/amalgamation/spantex.hpp
+	@tools/amalgamate --out $(B)/amalgamation
+
+arduino: ## the device library as an Arduino library, to be zipped or published as it is: build/arduino/spantex
+	@rm -rf $(B)/arduino/spantex
+	@tools/amalgamate --arduino --out $(B)/arduino/spantex
 
 test: setup-build setup-test setup-demo ## run every test; T=suite.case runs one
 	@$(MAKE) --no-print-directory -j$(JOBS) $(if $(T),$(or $(TESTS_OF_T),$(B)/spantex peers),$(B)/spantex peers unit-tests)
@@ -73,6 +107,8 @@ targets: setup-devices ## every core under emulation: the host's pictures bit fo
 	@tools/count_instructions --build $(B)
 	@tools/size_report --build $(B)
 	@tools/device_pictures --build $(B)
+	@tools/device_drawing --build $(B)
+	@tools/device_loading --build $(B)
 
 sizes: setup-devices ## code, state and stack of the device library on Cortex-M0+ against their limits; forbidden symbols
 	@tools/size_report --build $(B)
@@ -123,6 +159,9 @@ sanitize: setup-build setup-test ## unit tests (SUITES), command, stress and ide
 check-gates: setup-test ## break the code on purpose, one line at a time: a named test must notice each
 	@tests/gates.py
 
+demo-drawing: setup-build ## what a program in C draws through spantex.h: build/demo-drawing.png
+	@tools/demo_drawing --build $(B)
+
 clean: ## remove everything built
 	@rm -rf $(B)
 
@@ -130,11 +169,13 @@ help: ## list the targets
 	@sed -n 's/^\([a-z][a-z0-9-]*\):.*## \(.*\)/  make \1\t\2/p' $(MAKEFILE_LIST) | expand -t 24
 
 setup-build: ; @tools/setup build
-setup-test: ; @tools/setup test cross emulate devices bench
+setup-install: ; @tools/setup install
+setup-test: ; @tools/setup test cross emulate devices packages bench
 setup-demo: ; @tools/setup demo
 setup-devices: ; @tools/setup devices
 setup-compare: ; @tools/setup compare
 setup-bench: ; @tools/setup bench
+setup-levels: ; @tools/setup levels
 
 setup-report: ; @tools/setup report
 setup-browser: ; @tools/setup browser
@@ -149,7 +190,7 @@ $(B)/peers/%.so: tools/peers/%.cpp tools/peers/peer.hpp Makefile
 
 $(B)/spantex: $(TOOL_OBJECTS) $(HOST_OBJECTS)
 	@echo "  link    $@"
-	@$(CXX) $(FLAGS) $^ -o $@ -lassimp -ldl $(GPIOD_LIBS)
+	@$(CXX) $(FLAGS) $^ -o $@ -lassimp -lzip -ldl $(GPIOD_LIBS)
 
 $(B)/picture_hashes: $(B)/tests/identity/picture_hashes.o
 	@mkdir -p $(@D)
@@ -167,9 +208,10 @@ $(B)/hal/kernels/%.o: FLAGS += -O3 -Wno-unknown-warning-option -Wno-uninitialize
 $(B)/tests/%: $(B)/tests/unit/%.o $(HOST_OBJECTS)
 	@mkdir -p $(@D)
 	@echo "  link    $@"
-	@$(CXX) $(FLAGS) $^ -o $@ -lcmocka -lassimp $(GPIOD_LIBS) $(LIBRARIES) -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc
+	@$(CXX) $(FLAGS) $^ -o $@ -lcmocka -lassimp -lzip $(GPIOD_LIBS) $(LIBRARIES) -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc
 
 $(B)/tests/bc: LIBRARIES := -lsquish
+$(B)/tests/c_interface: $(B)/firmware/spantex/spantex_c.o
 # What `spantex bench` says it is; written anew only when it changes.
 COMMIT := $(shell git describe --always --dirty 2>/dev/null || echo unknown)
 $(B)/build.txt: force
@@ -190,7 +232,7 @@ $(B)/tests/unit/gpiod2_lines.o: FLAGS := -Itests/gpiod2 $(FLAGS)
 $(B)/tests/gpiod2_lines: $(B)/tests/unit/gpiod2_lines.o $(B)/gpiod2/gpiod_lines.o $(filter-out $(B)/hal/gpiod_lines%.o,$(HOST_OBJECTS))
 	@mkdir -p $(@D)
 	@echo "  link    $@"
-	@$(CXX) $(FLAGS) $^ -o $@ -lcmocka -lassimp -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc
+	@$(CXX) $(FLAGS) $^ -o $@ -lcmocka -lassimp -lzip -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc
 
 .PRECIOUS: $(B)/tests/unit/%.o
--include $(HOST_OBJECTS:.o=.d) $(TOOL_OBJECTS:.o=.d) $(UNIT_SOURCES:%.cpp=$(B)/%.d) $(B)/tests/identity/picture_hashes.d
+-include $(HOST_OBJECTS:.o=.d) $(B)/firmware/spantex/spantex_c.d $(TOOL_OBJECTS:.o=.d) $(UNIT_SOURCES:%.cpp=$(B)/%.d) $(B)/tests/identity/picture_hashes.d $(B)/gpio/device.d
