@@ -75,11 +75,11 @@ class tester {
       SPANTEX_TRY(lines_.set_control({.to_host = c.to_host, .command = c.command, .reset = c.reset}));
       if (c.reset) SPANTEX_TRY(follows({false, c.command, c.to_host}));
       SPANTEX_TRY(lines_.release_data());
-      if (c.reset && !in_reset) SPANTEX_TRY(shows_busy());  // else the device may show already what it is to show out of reset
+      if (c.reset && !in_reset) SPANTEX_TRY(leaves_reset());
       c = {in_reset && (x & 1) != 0, in_reset && (x & 2) != 0, (x & 4) != 0, in_reset};
       SPANTEX_TRY(lines_.set_control({.to_host = c.to_host, .command = c.command, .reset = c.reset}));
       const int data = drives ? int(x >> 16) & all_data() : 0;
-      if (drives && !c.to_host) SPANTEX_TRY(lines_.drive_data(uint8_t(data)));
+      if (drives && !c.to_host) SPANTEX_TRY(drives_data(uint8_t(data)));
       SPANTEX_TRY(lines_.set_control(c));
       if (entered) latched = 0;
       if (c.clock && !c.to_host) latched = data;
@@ -91,9 +91,18 @@ class tester {
     return lines_.release_data();
   }
 
-  status shows_busy() {
+  // Once to make them outputs, once to set them: between the level of an output and the note that it is one, gpio-sim still takes the other end's pull.
+  status drives_data(uint8_t byte) {
+    SPANTEX_TRY(lines_.drive_data(byte));
+    return lines_.drive_data(byte);
+  }
+
+  // As bench_link leaves it: command stays high until busy falls, for a device that reads one line after another may see command fall before reset.
+  status leaves_reset() {
     SPANTEX_TRY(lines_.set_control({.command = true, .reset = true}));
-    return follows({.busy = true});
+    SPANTEX_TRY(follows({.busy = true}));
+    SPANTEX_TRY(lines_.set_control({.command = true}));
+    return follows({});
   }
 
   // The device takes data while it sees the clock high, so they stay until it shows that the clock has fallen.
@@ -102,14 +111,15 @@ class tester {
     return settles(bits_of(shown), seen, [&](uint16_t& now) { return read_shown(now); });
   }
 
-  // Reads until the levels are as wanted, or have had time to be.
+  // Reads until the levels are as wanted, or have had time to be: pauses are added up, so that time in which nobody ran does not count.
   template <class Read>
   status settles(uint16_t wanted, uint16_t& seen, Read read) {
-    const uint64_t end = lines_.now_ns() + settle_ns_, longest = settle_ns_ / 16 + 1;
-    for (uint64_t pause = settle_ns_ / 1024 + 1;; pause = std::min(2 * pause, longest)) {
+    uint64_t waited = 0;
+    for (uint64_t pause = settle_ns_ / 1024 + 1;; pause = std::min(2 * pause, settle_ns_ / 16 + 1)) {
       SPANTEX_TRY(read(seen));
-      if (seen == wanted || lines_.now_ns() >= end) return status::ok;
+      if (seen == wanted || waited >= settle_ns_) return status::ok;
       lines_.pause(pause);
+      waited += pause;
     }
   }
 
@@ -169,7 +179,7 @@ class tester {
   // A byte there and back. Lines are changed one after the other: data first, then the clock.
   status echoes(uint8_t pattern, bool plain) {
     SPANTEX_TRY(lines_.set_control({.reset = true}));
-    SPANTEX_TRY(lines_.drive_data(pattern));
+    SPANTEX_TRY(drives_data(pattern));
     SPANTEX_TRY(shows({.clock = true, .reset = true}, {.ready = true}));
     SPANTEX_TRY(shows({.reset = true}, {}));
     SPANTEX_TRY(lines_.release_data());
