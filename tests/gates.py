@@ -51,7 +51,7 @@ GATES = [
     ("stored pixels as if in another column", F + "pixels.hpp", "++from, ++at.i, ++at.x) write_pixel<F>(at, *from, 255);", "++from, ++at.i) write_pixel<F>(at, *from, 255);", "rows_targets", "every_format*", []),
     ("rows: 1/w by one term less", F + "rows/block.hpp", "for (int n = 0; n < 3; ++n)", "for (int n = 0; n < 1; ++n)", "rows", "at_least_99*", []),
     ("rows: runs one texel too long", F + "rows/run.hpp", "(origin + size - neighbour) * (1 << 16)", "(origin + size) * (1 << 16)", "rows", "kernels_draw*repeat", []),
-    ("rows: the coarser level's border unheeded", F + "rows/run.hpp", "detail::within_both(near.u, detail::of_finer(far.u))", "near.u", "rows", "kernels_draw*repeat", []),
+    ("rows: the coarser level's border unheeded", F + "rows/run.hpp", "within_both(a.u, of_finer(b.u))", "a.u", "rows", "kernels_draw*repeat", []),
     ("rows: colours cut", F + "rows/sample.hpp", "const uint32_t half = 1u << bits >> 1;", "const uint32_t half = 0 * bits;", "rows", "colours_lie*", []),
     ("a dither matrix turned", F + "pixels.hpp", "bayer.m[at.y & 7][at.x & 7]", "bayer.m[at.x & 7][at.y & 7]", "pixels", "every_colour*", []),
     ("blends of 16 bits by one alpha off", F + "pixels.hpp", "s * alpha + d * (255 - alpha)", "s * alpha + d * (256 - alpha)", "pixels", "every_blend*", []),

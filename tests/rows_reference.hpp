@@ -10,8 +10,9 @@ struct reference_position { block b; int i, j; };
 
 // last_level < 0: a filter without levels.
 inline bool find_block(const plane& p, int32_t x, int32_t y, int last_level, reference_position& out) {
+  reference r{};
   for (int k = largest_block_log2; k >= 0; --k)
-    if (last_level < 0 ? block_at<false>(p, x >> k, y >> k, k, {}, out.b) : block_at<true>(p, x >> k, y >> k, k, {last_level, 0}, out.b)) {
+    if (last_level < 0 ? block_at<false>(p, x >> k, y >> k, k, {}, r, out.b) : block_at<true>(p, x >> k, y >> k, k, {last_level, 0}, r, out.b)) {
       out.i = int(x & ((1 << k) - 1));
       out.j = int(y & ((1 << k) - 1));
       return true;

@@ -13,6 +13,12 @@
 #else
 #define SPANTEX_WRAPS
 #endif
+// A function whose frame is not to lie under what its caller calls next, where code and stack are to be small.
+#ifdef __OPTIMIZE_SIZE__
+#define SPANTEX_FRAME_APART [[gnu::noinline]]
+#else
+#define SPANTEX_FRAME_APART
+#endif
 
 namespace spantex {
 

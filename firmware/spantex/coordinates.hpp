@@ -55,8 +55,8 @@ constexpr int32_t whole_quotient(int64_t n, int64_t w, inverse iw, bool& in_rang
 
 }  // namespace detail
 
-constexpr reference reference_at(const plane& p, int32_t hx, int32_t hy) {
-  reference r{};
+// In `r`, for who has memory for it.
+SPANTEX_FRAME_APART constexpr void set_reference(const plane& p, int32_t hx, int32_t hy, reference& r) {
   r.w = p.w_at(hx, hy);
   r.inverse_w = invert(r.w);
   r.u_in_range = r.v_in_range = true;
@@ -71,6 +71,11 @@ constexpr reference reference_at(const plane& p, int32_t hx, int32_t hy) {
   r.b_v = p.v.y - r.base_v * p.w.y;
   r.g = p.w.x;
   r.h = p.w.y;
+  r.w_exponent = r.slope_drop = 0;
+}
+constexpr reference reference_at(const plane& p, int32_t hx, int32_t hy) {
+  reference r{};
+  set_reference(p, hx, hy, r);
   return r;
 }
 

@@ -59,14 +59,15 @@ void add_slanted(scene& s, const rgba8 (&colours)[4]) {
 }
 constexpr rgba8 plain[4] = {white, white, white, white}, faint[4] = {{255, 255, 255, 150}, {255, 255, 255, 150}, {255, 255, 255, 150}, {255, 255, 255, 150}};
 
-// One frame after another; each must be what it is alone.
+// One frame after another, by kernels where they draw; each must be what the engine draws alone.
 struct film {
   frame_before before;
   draw_result shown;
   void show(const scene& s, const draw_options& o) {
     shown = draw(s, o, &before);
-    const draw_result alone = draw(s, o);
-    assert_true(shown.picture.pixels == alone.picture.pixels);
+    draw_options by_engine = o;
+    by_engine.kernel = kernels::choice::scalar;
+    assert_true(shown.picture.pixels == draw(s, by_engine).picture.pixels);
   }
 };
 

@@ -122,12 +122,12 @@ constexpr int unit_of(int32_t level, int last_level) { return clamp_to(level >> 
 // What a block's level of detail needs; ignored without Levels.
 struct level_terms { int last_level, bias; };
 
-// Coordinates of block (bx, by) of side 2^k. False (and `out` undefined) if the block must be cut, or if k = 0 and the pixel is not in front of the viewer.
+// Coordinates of block (bx, by) of side 2^k, with `r` as memory to work in. False (and `out` undefined) if the block must be cut, or if k = 0 and the pixel is not in front of the viewer.
 template <bool Levels>
-constexpr bool block_at(const plane& p, int32_t bx, int32_t by, int k, level_terms levels, block& out) {
+constexpr bool block_at(const plane& p, int32_t bx, int32_t by, int k, level_terms levels, reference& r, block& out) {
   const int32_t hx = (2 * bx + 1) * (1 << k), hy = (2 * by + 1) * (1 << k), reach = reach_of(k);
   if (p.w_at(hx, hy) <= 0) return false;
-  const reference r = reference_at(p, hx, hy);
+  set_reference(p, hx, hy, r);
   block& o = out;
   o.k = int8_t(k);
   o.unit_log2 = 0;
@@ -154,7 +154,7 @@ constexpr bool block_at(const plane& p, int32_t bx, int32_t by, int k, level_ter
 }
 
 // Whether no pixel of a block is in front of the viewer: W is largest at a corner.
-constexpr bool is_behind(const plane& p, int32_t bx, int32_t by, int k) {
+SPANTEX_FRAME_APART constexpr bool is_behind(const plane& p, int32_t bx, int32_t by, int k) {
   const int32_t reach = reach_of(k), hx = (2 * bx + 1) * (1 << k), hy = (2 * by + 1) * (1 << k);
   return p.w_at(hx + (p.w.x > 0 ? reach : -reach), hy + (p.w.y > 0 ? reach : -reach)) <= 0;
 }

@@ -71,7 +71,7 @@ struct rectangle_cover {
 struct polygon_cover {
   static constexpr bool whole_rows = false;
   const edge_set* edges;
-  uint32_t rows[largest_side];
+  uint32_t* rows;  // [largest_side]
 
   constexpr bool prepare(int32_t x0, int32_t y0, int k) {
     const int side = 1 << k, spans = k <= 3 ? 1 : side / span_side;
@@ -93,13 +93,6 @@ struct polygon_cover {
 };
 
 }  // namespace detail
-
-// One surface being drawn. Its memory is the caller's: `state`, 400 bytes with what kernels work in.
-struct state {
-  block coordinates;
-  level_walk at;
-  scratch between;
-};
 
 // What is known of a map when the program is compiled. A map that repeats, with sides that are powers of two, needs the least code (nearest only).
 enum class map_kind : uint8_t { any, repeats_in_powers_of_two };
@@ -138,18 +131,18 @@ class painter {
     block& b = memory_.coordinates;
     // Inlined where code is to be least; else its frame is not to lie under the kernels'.
     if constexpr (Map == map_kind::repeats_in_powers_of_two) {
-      if (!block_at<false>(plane_, x0 >> k, y0 >> k, k, {}, b)) return is_behind(plane_, x0 >> k, y0 >> k, k);
+      if (!block_at<false>(plane_, x0 >> k, y0 >> k, k, {}, memory_.about, b)) return is_behind(plane_, x0 >> k, y0 >> k, k);
     } else {
       if (!place(x0 >> k, y0 >> k, k, b)) return is_behind(plane_, x0 >> k, y0 >> k, k);
     }
     const block_part part{x0, y0, int8_t(left), int8_t(right), int8_t(top), int8_t(bottom)};
     if constexpr (Map == map_kind::repeats_in_powers_of_two) draw_masked(b, part);
     else if constexpr (uses_levels(Kind)) draw_with_levels(b, part);
-    else draw_with_level(b, part, 0, Kind == filter::nearest ? 0 : snap);
+    else if (!draw_with_level(b, part, 0, Kind == filter::nearest ? 0 : snap)) draw_cut_at_borders(b, part, 0);
     return true;
   }
 
-  [[gnu::noinline]] bool place(int32_t bx, int32_t by, int k, block& b) { return block_at<uses_levels(Kind)>(plane_, bx, by, k, {map_.last_level(), 0}, b); }
+  [[gnu::noinline]] bool place(int32_t bx, int32_t by, int k, block& b) { return block_at<uses_levels(Kind)>(plane_, bx, by, k, {map_.last_level(), 0}, memory_.about, b); }
 
   struct block_part { int32_t x0, y0; int8_t left, right, top, bottom; };
 
@@ -176,25 +169,27 @@ class painter {
     if (first != 0) w = advanced(w, first);
   }
 
-  // All pixels on one level.
-  [[gnu::noinline]] void draw_with_level(block& b, const block_part& part, int level, int32_t offset) {
+  // All pixels on one level. False, with offsets set, if its borders cut the block.
+  [[gnu::noinline]] bool draw_with_level(block& b, const block_part& part, int level, int32_t offset) {
     constexpr filter kind = uses_levels(Kind) ? filter::bilinear : Kind;
-    const level_view t = level_of(map_, level);
+    const level_view& t = memory_.fine = level_of(map_, level);
     source s{};
     detail::set_offsets(b, level, offset);
-    if (detail::source_of_block(b, t, level, kind == filter::nearest ? 0 : 1, memory_.at.at, s)) {
-      each_row(part, [&](texel565* out, int first, int count, int j) {
-        walk_from(b, j, first, level, memory_.at.at);
-        run<kind>(out, count, memory_.at.at, s, memory_.between);
-      });
-      return;
-    }
+    if (!detail::source_of_block(b, t, level, kind == filter::nearest ? 0 : 1, memory_.at.at, memory_.reach, s)) return false;
+    each_row(part, [&](texel565* out, int first, int count, int j) {
+      walk_from(b, j, first, level, memory_.at.at);
+      run<kind>(out, count, memory_.at.at, s, memory_.between);
+    });
+    return true;
+  }
+  SPANTEX_FRAME_APART void draw_cut_at_borders(block& b, const block_part& part, int level) {
+    constexpr filter kind = uses_levels(Kind) ? filter::bilinear : Kind;
     if (kind == filter::nearest && masked_) return draw_masked(b, part);
     memory_.at.base_u = detail::base_on(level, b.u.base);
     memory_.at.base_v = detail::base_on(level, b.v.base);
     each_row(part, [&](texel565* out, int first, int count, int j) {
       walk_from(b, j, first, level, memory_.at.at);
-      draw_level<kind>(out, count, t, memory_.at, memory_.between);
+      draw_level<kind>(out, count, memory_.fine, memory_.at, memory_.between);
     });
   }
 
@@ -210,32 +205,46 @@ class painter {
     });
   }
 
-  // All pixels between two levels.
-  [[gnu::noinline]] void draw_with_two(block& b, const block_part& part, int level) {
-    const level_view t = level_of(map_, level), next = level_of(map_, level + 1);
+  // All pixels between two levels. False, with offsets set, if borders of either cut the block.
+  [[gnu::noinline]] bool draw_with_two(block& b, const block_part& part, int level) {
+    const level_view &t = memory_.fine = level_of(map_, level), &next = memory_.coarse = level_of(map_, level + 1);
     source near{}, far{};
     detail::set_offsets(b, level, snap);
-    const bool inside = detail::source_of_block(b, t, level, 1, memory_.at.at, near) && detail::source_of_coarser(b, next, level, memory_.at.at, far);
+    if (!detail::source_of_block(b, t, level, 1, memory_.at.at, memory_.reach, near)) return false;
+    if (!detail::source_of_coarser(b, next, level, memory_.at.at, memory_.reach, far)) return false;
+    each_row_with_level(b, part, level, [&](texel565* out, int count, const level_run& d) { trilinear_run(out, count, memory_.at.at, near, far, d, memory_.between); });
+    return true;
+  }
+  SPANTEX_FRAME_APART void draw_two_cut_at_borders(block& b, const block_part& part, int level) {
     memory_.at.base_u = detail::base_on(level, b.u.base);
     memory_.at.base_v = detail::base_on(level, b.v.base);
+    each_row_with_level(b, part, level, [&](texel565* out, int count, const level_run& d) {
+      draw_between(out, count, memory_.fine, memory_.coarse, memory_.at, d, memory_.between);
+    });
+  }
+  template <class Row>
+  [[gnu::always_inline]] void each_row_with_level(block& b, const block_part& part, int level, const Row& draw_row) {
     each_row(part, [&](texel565* out, int first, int count, int j) {
       walk_from(b, j, first, level, memory_.at.at);
       level_run d = level_row_at(b, j);
       d.start += first * d.step + detail::level_rounding(Kind);
-      if (inside) trilinear_run(out, count, memory_.at.at, near, far, d, memory_.between);
-      else draw_between(out, count, t, next, memory_.at, d, memory_.between);
+      draw_row(out, count, d);
     });
+  }
+
+  void on_one_level(block& b, const block_part& part, int level) {
+    if (!draw_with_level(b, part, level, snap)) draw_cut_at_borders(b, part, level);
   }
 
   void draw_with_levels(block& b, const block_part& part) {
     const detail::interval levels = detail::levels_of(b, detail::level_rounding(Kind), map_.last_level());
     if (levels.low == levels.high) {
       const int fine = max_of(levels.low, 0);
-      if (Kind == filter::mip_bilinear || levels.low < 0 || fine == map_.last_level()) draw_with_level(b, part, fine, snap);
-      else draw_with_two(b, part, fine);
+      if (Kind == filter::mip_bilinear || levels.low < 0 || fine == map_.last_level()) on_one_level(b, part, fine);
+      else if (!draw_with_two(b, part, fine)) draw_two_cut_at_borders(b, part, fine);
       return;
     }
-    each_row(part, [&](texel565* out, int first, int count, int j) { draw_run<Kind>(out, first, count, map_, b, j, memory_.between); });
+    each_row(part, [&](texel565* out, int first, int count, int j) { draw_run<Kind>(out, first, count, map_, j, memory_); });
   }
 
   const plane& plane_;
@@ -271,11 +280,11 @@ status draw(state& memory, const Target& target, const plane& p, const texture_v
 
 // A polygon. Errors: those of check().
 template <filter Kind, class Target>
-status draw(state& memory, const Target& target, const polygon& p, const texture_view& t) {
+SPANTEX_FRAME_APART status draw(state& memory, const Target& target, const polygon& p, const texture_view& t) {
   SPANTEX_TRY(check(t, Kind));
   const rectangle area = intersection(p.box, area_of(target));
   if (area.empty()) return status::ok;
-  painter<Kind, Target, detail::polygon_cover>(p.map, t, target, area, {&p.edges, {}}, memory).draw();
+  painter<Kind, Target, detail::polygon_cover>(p.map, t, target, area, {&p.edges, memory.masks}, memory).draw();
   return status::ok;
 }
 

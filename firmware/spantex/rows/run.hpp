@@ -113,11 +113,27 @@ inline bool copy_of(const level_view& t, int32_t u, int32_t v, int32_t base_u, i
 }
 
 // A pointer for the kernel if all positions lie in one copy of the level.
-inline bool source_of(const level_view& t, interval u, interval v, int32_t base_u, int32_t base_v, int neighbour, source& out) {
+SPANTEX_FRAME_APART inline bool source_of(const level_view& t, interval u, interval v, int32_t base_u, int32_t base_v, int neighbour, source& out) {
   copy c{};
   if (!copy_of(t, u.low, v.low, base_u, base_v, neighbour, c) || !lies_in(u, c.u) || !lies_in(v, c.v)) return false;
   out = c.s;
   return true;
+}
+
+// Pixels of a run, `count` at most, that lie in one copy of the level, and that copy; 0 if not even the first.
+SPANTEX_FRAME_APART inline int run_within(const level_view& t, const level_walk& w, int count, int neighbour, source& out) {
+  copy c;
+  if (!copy_of(t, w.at.u, w.at.v, w.base_u, w.base_v, neighbour, c)) return 0;
+  out = c.s;
+  return until_border(w.at, c.u, c.v, count);
+}
+// Likewise in one copy of each of two levels.
+SPANTEX_FRAME_APART inline int run_within_both(const level_view& fine, const level_view& coarse, const level_walk& w, int count, source& near, source& far) {
+  copy a, b;
+  if (!copy_of(fine, w.at.u, w.at.v, w.base_u, w.base_v, 1, a) || !copy_of(coarse, coarser(w.at.u), coarser(w.at.v), w.base_u >> 1, w.base_v >> 1, 1, b)) return 0;
+  near = a.s;
+  far = b.s;
+  return until_border(w.at, within_both(a.u, of_finer(b.u)), within_both(a.v, of_finer(b.v)), count);
 }
 
 inline uint32_t wrapped_texel(const level_view& t, int32_t x, int32_t y) {
@@ -133,7 +149,7 @@ inline texels wrapped_texels(const level_view& t, int32_t x, int32_t y) {
 
 // Filters of one level.
 template <filter Kind>
-inline uint16_t pixel_of(const level_view& t, const level_walk& w) {
+SPANTEX_FRAME_APART inline uint16_t pixel_of(const level_view& t, const level_walk& w) {
   const int32_t x = w.base_u + texel_of(w.at.u), y = w.base_v + texel_of(w.at.v);
   if constexpr (Kind == filter::nearest) return uint16_t(detail::wrapped_texel(t, x, y));
   const texels four = detail::wrapped_texels(t, x, y);
@@ -151,12 +167,11 @@ inline void run(uint16_t* out, int count, const walk& at, const source& s, scrat
 }
 
 template <filter Kind>
-[[gnu::noinline]] inline void draw_level(uint16_t* out, int count, const level_view& t, level_walk w, scratch& between) {
+[[gnu::noinline]] inline void draw_level(uint16_t* out, int count, const level_view& t, level_walk& w, scratch& between) {
   while (count > 0) {
-    detail::copy c;
-    int n = 0;
-    if (detail::copy_of(t, w.at.u, w.at.v, w.base_u, w.base_v, Kind == filter::nearest ? 0 : 1, c)) n = detail::until_border(w.at, c.u, c.v, count);
-    if (n > 0) run<Kind>(out, n, w.at, c.s, between);
+    source s;
+    int n = detail::run_within(t, w, count, Kind == filter::nearest ? 0 : 1, s);
+    if (n > 0) run<Kind>(out, n, w.at, s, between);
     else *out = pixel_of<Kind>(t, w);
     n = max_of(n, 1);
     out += n;
@@ -178,15 +193,12 @@ inline uint16_t pixel_between(const level_view& fine, const level_view& coarse, 
   return rounded(between_levels(a, b, f), 2 * weight_bits + blend_bits);
 }
 
-[[gnu::noinline]] inline void draw_between(uint16_t* out, int count, const level_view& fine, const level_view& coarse, level_walk w, level_run level,
+[[gnu::noinline]] inline void draw_between(uint16_t* out, int count, const level_view& fine, const level_view& coarse, level_walk& w, level_run level,
                                            scratch& between) {
   while (count > 0) {
-    detail::copy near, far;
-    int n = 0;
-    if (detail::copy_of(fine, w.at.u, w.at.v, w.base_u, w.base_v, 1, near) &&
-        detail::copy_of(coarse, detail::coarser(w.at.u), detail::coarser(w.at.v), w.base_u >> 1, w.base_v >> 1, 1, far))
-      n = detail::until_border(w.at, detail::within_both(near.u, detail::of_finer(far.u)), detail::within_both(near.v, detail::of_finer(far.v)), count);
-    if (n > 0) trilinear_run(out, n, w.at, near.s, far.s, level, between);
+    source near, far;
+    int n = detail::run_within_both(fine, coarse, w, count, near, far);
+    if (n > 0) trilinear_run(out, n, w.at, near, far, level, between);
     else *out = pixel_between(fine, coarse, w, level.start);
     n = max_of(n, 1);
     out += n;
@@ -220,7 +232,7 @@ constexpr void widen(interval& x, int32_t a, int32_t b) {
   x.low = min_of(x.low, min_of(a, b));
   x.high = max_of(x.high, max_of(a, b));
 }
-[[gnu::always_inline]] inline void box_of_block(const block& b, int level, walk& w, box& out) {
+SPANTEX_FRAME_APART inline void box_of_block(const block& b, int level, walk& w, box& out) {
   const int n = (1 << b.k) - 1, down = level - b.unit_log2, pairs = n * (n - 1) / 2;
   out = {{INT32_MAX, INT32_MIN}, {INT32_MAX, INT32_MIN}};
   for (int end = 0; end < 2; ++end) {
@@ -233,23 +245,34 @@ constexpr void widen(interval& x, int32_t a, int32_t b) {
   out = {{out.u.low - margin, out.u.high + margin}, {out.v.low - margin, out.v.high + margin}};
 }
 
-[[gnu::noinline]] inline bool source_of_block(const block& b, const level_view& t, int level, int neighbour, walk& w, source& out) {
-  box x;
+inline bool source_of_block(const block& b, const level_view& t, int level, int neighbour, walk& w, box& x, source& out) {
   box_of_block(b, level, w, x);
   return source_of(t, x.u, x.v, base_on(level, b.u.base), base_on(level, b.v.base), neighbour, out);
 }
 // Likewise for the level after `level`.
-[[gnu::noinline]] inline bool source_of_coarser(const block& b, const level_view& t, int level, walk& w, source& out) {
-  box x;
+inline bool source_of_coarser(const block& b, const level_view& t, int level, walk& w, box& x, source& out) {
   box_of_block(b, level, w, x);
   return source_of(t, {coarser(x.u.low), coarser(x.u.high)}, {coarser(x.v.low), coarser(x.v.high)}, b.u.base >> (level + 1), b.v.base >> (level + 1), 1, out);
 }
 
 }  // namespace detail
 
+// One surface being drawn. Its memory is the caller's: `state`, at most 700 bytes with what kernels work in.
+struct state {
+  reference about;                // of the block
+  detail::box reach;              // of its positions
+  block coordinates;
+  level_view fine, coarse;
+  level_walk at;
+  uint32_t masks[1 << largest_block_log2];  // of its rows; polygons
+  scratch between;
+};
+
 // `count` pixels of row j of a block, from its pixel `first`, levels of detail pixel by pixel.
 template <filter Kind>
-[[gnu::noinline]] inline void draw_run(uint16_t* out, int first, int count, const texture_view& t, block& b, int j, scratch& between) {
+[[gnu::noinline]] inline void draw_run(uint16_t* out, int first, int count, const texture_view& t, int j, state& memory) {
+  block& b = memory.coordinates;
+  level_walk& w = memory.at;
   level_run level = level_row_at(b, j);
   level.start += detail::level_rounding(Kind);
   const auto whole_level = [&](int i) { return clamp_to((level.start + i * level.step) >> 16, -1, t.last_level()); };
@@ -258,12 +281,18 @@ template <filter Kind>
     const int at = whole_level(first), fine = max_of(at, 0);
     while (whole_level(first + n - 1) != at) n = (n + 1) / 2;
     detail::set_offsets(b, fine, snap);
-    level_walk w{detail::base_on(fine, b.u.base), detail::base_on(fine, b.v.base), {}};
+    memory.fine = level_of(t, fine);
+    w.base_u = detail::base_on(fine, b.u.base);
+    w.base_v = detail::base_on(fine, b.v.base);
     row_at(b, j, w.at);
     if (fine != b.unit_log2) w.at = detail::scaled(w.at, fine - b.unit_log2);
     if (first > 0) w.at = advanced(w.at, first);
-    if (Kind == filter::mip_bilinear || at < 0 || at == t.last_level()) draw_level<filter::bilinear>(out, n, level_of(t, fine), w, between);
-    else draw_between(out, n, level_of(t, fine), level_of(t, fine + 1), w, {level.start + first * level.step, level.step}, between);
+    if (Kind == filter::mip_bilinear || at < 0 || at == t.last_level()) {
+      draw_level<filter::bilinear>(out, n, memory.fine, w, memory.between);
+    } else {
+      memory.coarse = level_of(t, fine + 1);
+      draw_between(out, n, memory.fine, memory.coarse, w, {level.start + first * level.step, level.step}, memory.between);
+    }
     first += n;
     out += n;
   }

@@ -40,8 +40,9 @@ constexpr sums four_point(const texels& t, uint32_t fu, uint32_t fv) {
 // KT88, 3-point: weights of 5 bits.
 constexpr sums three_point(const texels& t, uint32_t fu, uint32_t fv) {
   const uint32_t one = 1u << weight_bits;
-  if (fv >= fu) return weighted(t.t11, fu) + weighted(t.t01, fv - fu) + weighted(t.t00, one - fv);
-  return weighted(t.t11, fv) + weighted(t.t10, fu - fv) + weighted(t.t00, one - fu);
+  const bool lower = fv >= fu;
+  const uint32_t low = lower ? fu : fv, high = lower ? fv : fu;
+  return weighted(t.t11, low) + weighted(lower ? t.t01 : t.t10, high - low) + weighted(t.t00, one - high);
 }
 
 // Two levels of four points by the fraction of the level of detail: weights of 14 bits.
