@@ -174,7 +174,7 @@ SPANTEX_CASE(random_changes_are_drawn) {
   random_source random(71);
   uint64_t kept = 0, changed = 0;
   const alpha_mode modes[] = {alpha_mode::opaque, alpha_mode::cut_out, alpha_mode::blended, alpha_mode::premultiplied};
-  for (int run = 0; run < (short_run() ? 8 : 32); ++run) {
+  for (int run = 0; run < (short_run() ? 16 : 32); ++run) {
     f = {};
     struct square { int32_t x, y, z, half, map; rgba8 colour; };
     std::vector<square> all;
