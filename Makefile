@@ -35,7 +35,7 @@ PEER_mesa    := $(call peer_flags,osmesa)
 PEER_opencv  := $(or $(call peer_flags,opencv4),$(if $(wildcard /usr/include/opencv4/opencv2/imgproc.hpp),-isystem /usr/include/opencv4 -lopencv_imgproc -lopencv_core))
 PEERS        := $(foreach p,pixman opencv mesa,$(if $(strip $(PEER_$(p))),$(B)/peers/$(p).so))
 
-.PHONY: all demo demo-m4 demo-drawing compare bench bench-levels sweep report check-report install uninstall amalgamation arduino test targets sizes stress stress-bench test-gpio fuzz sanitize check-gates unit-tests clean help setup-build setup-install setup-test setup-demo setup-compare setup-devices setup-report setup-browser setup-levels
+.PHONY: all demo demo-m4 demo-drawing compare bench bench-levels sweep report check-report install uninstall amalgamation arduino test targets sizes stress stress-bench test-gpio fuzz sanitize check-gates count-arm64 unit-tests clean help setup-build setup-install setup-test setup-demo setup-compare setup-devices setup-report setup-browser setup-levels setup-arm64
 
 # Where `make install` puts the command, headers, the CMake package, spantex.pc and the man page; DESTDIR comes before all of them, as packagers expect.
 PREFIX   ?= /usr/local
@@ -159,6 +159,10 @@ sanitize: setup-build setup-test ## unit tests (SUITES), command, stress and ide
 check-gates: setup-test ## break the code on purpose, one line at a time: a named test must notice each
 	@tests/gates.py
 
+count-arm64: setup-build setup-arm64 ## instructions a pixel on arm64 under emulation, ours, pixman's, OpenCV's and llvmpipe's (Debian's, 70 MB): build/arm64/table.md
+	@$(MAKE) --no-print-directory -j$(JOBS) $(B)/arm64/judge_pictures
+	@tools/count_arm64 --build $(B) --jobs $(JOBS)
+
 demo-drawing: setup-build ## what a program in C draws through spantex.h: build/demo-drawing.png
 	@tools/demo_drawing --build $(B)
 
@@ -175,6 +179,7 @@ setup-demo: ; @tools/setup demo
 setup-devices: ; @tools/setup devices
 setup-compare: ; @tools/setup compare
 setup-bench: ; @tools/setup bench
+setup-arm64: ; @tools/setup build emulate
 setup-levels: ; @tools/setup levels
 
 setup-report: ; @tools/setup report
@@ -191,6 +196,11 @@ $(B)/peers/%.so: tools/peers/%.cpp tools/peers/peer.hpp Makefile
 $(B)/spantex: $(TOOL_OBJECTS) $(HOST_OBJECTS)
 	@echo "  link    $@"
 	@$(CXX) $(FLAGS) $^ -o $@ -lassimp -lzip -ldl $(GPIOD_LIBS)
+
+$(B)/arm64/judge_pictures: $(B)/tools/arm64/judge_pictures.o $(HOST_OBJECTS)
+	@mkdir -p $(@D)
+	@echo "  link    $@"
+	@$(CXX) $(FLAGS) $^ -o $@ -lassimp -lzip $(GPIOD_LIBS)
 
 $(B)/picture_hashes: $(B)/tests/identity/picture_hashes.o
 	@mkdir -p $(@D)
@@ -235,4 +245,4 @@ $(B)/tests/gpiod2_lines: $(B)/tests/unit/gpiod2_lines.o $(B)/gpiod2/gpiod_lines.
 	@$(CXX) $(FLAGS) $^ -o $@ -lcmocka -lassimp -lzip -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc
 
 .PRECIOUS: $(B)/tests/unit/%.o
--include $(HOST_OBJECTS:.o=.d) $(B)/firmware/spantex/spantex_c.d $(TOOL_OBJECTS:.o=.d) $(UNIT_SOURCES:%.cpp=$(B)/%.d) $(B)/tests/identity/picture_hashes.d $(B)/gpio/device.d
+-include $(HOST_OBJECTS:.o=.d) $(B)/firmware/spantex/spantex_c.d $(TOOL_OBJECTS:.o=.d) $(UNIT_SOURCES:%.cpp=$(B)/%.d) $(B)/tests/identity/picture_hashes.d $(B)/gpio/device.d $(B)/tools/arm64/judge_pictures.d
