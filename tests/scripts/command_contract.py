@@ -314,6 +314,10 @@ def test_levels(folder):
     done(*level, "--path", "p.path", "--out", "p%d.png", cwd=folder)
     assert (folder / "p0.png").read_bytes() != (folder / "p1.png").read_bytes() and not (folder / "p2.png").exists()
     assert (folder / "p0.png").read_bytes() == frames[0], "from the first place to the second"
+    (folder / "away.path").write_text(2 * "9000,9000,9000,9100,9000,9000\n")
+    done(*level, "--path", "away.path", "--out", "a%d.png", "--stats", "a.json", cwd=folder)
+    away, _ = json.loads((folder / "a.json").read_text())["frames"]
+    assert (away["polygons"], away["pixels_tested"], away["pixels_shown"], away["pixels"]) == (0, 0, 0, 0), "nothing in view"
     done("render", "maps.pk3", "--map", "room", "--size", "64x48", "--eye", "40,50,-128", "--target", "200,50,-128", "--fov", "60", "--out", "e.png", cwd=folder)
     assert (folder / "e.png").read_bytes() == frames[0]
 

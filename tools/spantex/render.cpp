@@ -67,7 +67,7 @@ nlohmann::ordered_json frame_json(const sim::scene& s, const sim::draw_result& r
   j["draw_ns"] = r.ns_per_pixel * double(r.picture.pixels.size());
   j["set_up_ns"] = set_up_ns;
   j["polygons"] = s.items.size();
-  if (s.uses_depth()) {
+  if (s.uses_depth() || s.items.empty()) {
     const sim::overdraw over = sim::overdraw_of(s);
     j["pixels_tested"] = over.pixels_tested;
     j["pixels_shown"] = over.pixels_shown;
