@@ -41,7 +41,7 @@ struct prepared {
 };
 
 prepared prepare(const scene& s, const draw_options& o) {
-  const bool wanted = o.profile == profile_choice::standard && o.engine == engine_choice::direct && o.space == sampling_space::screen && kernels::draws(o.kernel, o.kind) &&
+  const bool wanted = o.profile == profile_choice::standard && o.engine == engine_choice::direct && o.space == sampling_space::screen && kernels::draws(o.kind) &&
                       !o.single_half && o.port == nullptr && o.changes == profile_changes{} && o.how.alpha == alpha_mode::opaque && o.how.colour == white && o.skips == usual_skips &&
                       (o.kind == filter::nearest || std::all_of(s.maps->begin(), s.maps->end(), [](const texture_map& map) {
                          return map.view_on_demand().colours() == colour_space::coded;

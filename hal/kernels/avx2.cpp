@@ -7,6 +7,8 @@
 #include <immintrin.h>
 
 #include <spantex/coordinates.hpp>
+#include <spantex/exp2.hpp>
+#include <spantex/footprint.hpp>
 #include <spantex/level.hpp>
 
 // What the headers define stays compiled for any machine.
@@ -25,10 +27,14 @@ namespace {
 constexpr int width = 8;
 #include "vectors/lanes.hpp"
 #include "vectors/x86.hpp"
+#include "vectors/log2.hpp"
+#include "vectors/levels.hpp"
 #include "vectors/pixels.hpp"
 #include "vectors/plan_avx2.hpp"
 #include "vectors/positions.hpp"
 #include "vectors/spans.hpp"
+#include "vectors/aniso.hpp"
+#include "vectors/kernel.hpp"
 
 }  // namespace
 }  // namespace spantex::kernels

@@ -37,9 +37,8 @@ row_kernel kernel_of(choice c) {
   return nullptr;
 }
 
-bool draws(choice c, filter f) {
-  if (f == filter::aniso) return resolved(c) == choice::avx512;
-  return f == filter::nearest || f == filter::bilinear || f == filter::mip_bilinear || f == filter::trilinear;
+bool draws(filter f) {
+  return f == filter::nearest || f == filter::bilinear || f == filter::mip_bilinear || f == filter::trilinear || f == filter::aniso;
 }
 
 layout layout_of(choice c) { return resolved(c) == choice::avx512 ? layout::blocks : layout::rows; }

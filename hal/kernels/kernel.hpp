@@ -30,7 +30,7 @@ using row_kernel = void (*)(const row_work&);
 enum class choice : uint8_t { fastest, scalar, words, sse41, avx2, neon, avx512 };
 
 // One machine's kernels by filter; null: every span of it is left.
-struct row_kernels { row_kernel nearest, bilinear, mip_bilinear, trilinear, aniso = nullptr; };
+struct row_kernels { row_kernel nearest, bilinear, mip_bilinear, trilinear, aniso; };
 void draw_by_filter(const row_kernels& kernels, const row_work& work);
 
 // Null where this machine has not what it takes.
@@ -49,7 +49,7 @@ row_kernel kernel_of(choice c);
 // How maps must be made ready for it.
 layout layout_of(choice c);
 
-// What a kernel is made for; it leaves every span of another filter.
-bool draws(choice c, filter f);
+// What kernels are made for; they leave every span of another filter.
+bool draws(filter f);
 
 }  // namespace spantex::kernels

@@ -6,6 +6,8 @@
 #include <arm_neon.h>
 
 #include <spantex/coordinates.hpp>
+#include <spantex/exp2.hpp>
+#include <spantex/footprint.hpp>
 #include <spantex/level.hpp>
 
 namespace spantex::kernels {
@@ -15,10 +17,15 @@ constexpr int width = 4;
 #include "vectors/common.hpp"
 #include "vectors/lanes.hpp"
 #include "vectors/neon.hpp"
+#include "vectors/slopes.hpp"
+#include "vectors/log2.hpp"
+#include "vectors/levels.hpp"
 #include "vectors/pixels.hpp"
 #include "vectors/plan.hpp"
 #include "vectors/positions.hpp"
 #include "vectors/spans.hpp"
+#include "vectors/aniso.hpp"
+#include "vectors/kernel.hpp"
 
 }  // namespace
 

@@ -3,6 +3,8 @@
 #include "kernel.hpp"
 
 #include <spantex/coordinates.hpp>
+#include <spantex/exp2.hpp>
+#include <spantex/footprint.hpp>
 #include <spantex/level.hpp>
 
 namespace spantex::kernels {
@@ -12,9 +14,14 @@ constexpr int width = 4;
 #include "vectors/common.hpp"
 #include "vectors/lanes.hpp"
 #include "vectors/words.hpp"
+#include "vectors/slopes.hpp"
+#include "vectors/log2.hpp"
+#include "vectors/levels.hpp"
 #include "vectors/plan.hpp"
 #include "vectors/positions.hpp"
 #include "vectors/spans.hpp"
+#include "vectors/aniso.hpp"
+#include "vectors/kernel.hpp"
 
 }  // namespace
 

@@ -58,7 +58,7 @@ void draw_all(const plane& p, const ready_map& map, filter kind, rectangle area,
     SPANTEX_ASSERT_OK(rest.finish());
     assert_int_equal(counts.pixels + rest.counters().pixels, r.counters().pixels);
     if (by_kernel.pixels != by_scalar.pixels) fail_msg("%s, filter %d: not the engine's bytes", k.name, int(kind));
-    assert_true(!kernels::draws(k.which, kind) || span_count(area) - counts.jobs <= most_left);
+    assert_true(!kernels::draws(kind) || span_count(area) - counts.jobs <= most_left);
   }
 }
 
@@ -89,6 +89,29 @@ SPANTEX_CASE(random_planes_and_maps_of_any_size) {
           plane p;
           if (random_plane(random, {0, 0, 203, 101}, p)) draw_all(p, map, kind, {0, 0, 203, 101}, 203, 101);
         }
+    }
+}
+
+// Rows of samples on maps whose period is little more than a span, or less.
+SPANTEX_CASE(long_rows_on_small_maps) {
+  static constexpr int32_t sides[][2] = {{496, 80}, {48, 480}, {80, 80}, {256, 16}};
+  for (const auto& side : sides)
+    for (const wrap w : wraps) {
+      const ready_map map(random_map(side[0], side[1]), w);
+      for (int k = 0; k < 3; ++k) draw_all(sample_plane(k), map, filter::aniso, {200, 0, 320, 96}, 320, 96);
+    }
+}
+
+// W that is a little less than at the span's centre, so that its reciprocal is next to the end of its range, on spans steep enough to be divided: W falls
+// along x as it rises along y, but for 2^-14 to 2^-20 of it a pixel.
+SPANTEX_CASE(reciprocals_just_above_one) {
+  const ready_map map(random_map(512, 512), wrap::repeat);
+  for (const double less : {0.0, 1e-6, 3e-6, 1e-5, 4e-5})
+    for (const double tilt : {0.02, 0.05, 0.08}) {
+      const double m[9] = {1.7, 0.3, 3, -0.4, 0.9, 11, tilt, -tilt - less, 1 + 12 * less};
+      plane p{};
+      SPANTEX_ASSERT_OK(make_plane(homography_of(m), {0, 0, 24, 24}, p));
+      for (const filter kind : filters) draw_all(p, map, kind, {0, 0, 24, 24}, 24, 24);
     }
 }
 
@@ -162,6 +185,8 @@ int main() {
       cmocka_unit_test(a_machine_has_words_and_its_own),
       cmocka_unit_test(ordinary_planes_are_drawn_by_the_kernel_alone),
       cmocka_unit_test(random_planes_and_maps_of_any_size),
+      cmocka_unit_test(long_rows_on_small_maps),
+      cmocka_unit_test(reciprocals_just_above_one),
       cmocka_unit_test(nothing_is_written_outside_the_area),
       cmocka_unit_test(polygons_with_depth_are_the_same),
   };

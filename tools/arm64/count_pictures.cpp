@@ -64,7 +64,7 @@ const char* draw_ours(task& t, filter kind) {
   if (texture_view::make(levels.data(), int(levels.size()), t.levels[0].sides[0], t.levels[0].sides[1], wrap::repeat, wrap::repeat, view) != status::ok) return "";
   if (make_plane(sim::to_homography(m), all, p) != status::ok) return "";
   const kernels::planar_map texels(view, kernels::layout_of(kernels::choice::neon));
-  const kernels::row_kernel kernel = kernels::draws(kernels::choice::neon, kind) ? kernels::neon_kernel() : nullptr;
+  const kernels::row_kernel kernel = kernels::draws(kind) ? kernels::neon_kernel() : nullptr;
   count_begin();
   const auto engine = std::make_unique<direct_engine<prof>>();
   const frame_buffer frame{t.picture.data(), all.x1, all.y1, all.x1};

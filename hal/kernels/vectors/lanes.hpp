@@ -8,6 +8,8 @@ typedef uint32_t v_32 __attribute__((vector_size(4 * width)));
 typedef uint64_t v_64 __attribute__((vector_size(4 * width)));  // half as many lanes: even ones, or odd ones shifted down
 typedef uint16_t v_unsigned __attribute__((vector_size(4 * width)));
 
+constexpr int parts = span_side / width;  // of a row of pixels
+
 SPANTEX_INLINE v set(int32_t x) { return v{} + x; }
 SPANTEX_INLINE v get(const int32_t* from) {
   v x;

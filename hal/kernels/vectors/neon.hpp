@@ -14,6 +14,8 @@ SPANTEX_INLINE v_64 wide_products(v_64 a, v_64 b) { return v_64(vmull_u32(vmovn_
 SPANTEX_INLINE v_64 wide_signed_products(v_64 a, v_64 b) { return v_64(vmull_s32(vmovn_s64(int64x2_t(a)), vmovn_s64(int64x2_t(b)))); }
 SPANTEX_INLINE v look_up(const int32_t* table, v at) { return v{table[at[0]], table[at[1]], table[at[2]], table[at[3]]}; }
 
+SPANTEX_INLINE void put_words(int16_t* to, v x) { vst1_s16(to, vqmovn_s32(int32x4_t(x))); }  // saturated
+
 SPANTEX_INLINE v rounding_products(v a, v b) { return v(vqrdmulhq_s16(int16x8_t(a), int16x8_t(b))); }  // (a b + 2^14) >> 15
 SPANTEX_INLINE v low_products(v a, v b) { return v(vmulq_s16(int16x8_t(a), int16x8_t(b))); }
 

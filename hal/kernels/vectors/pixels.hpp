@@ -31,3 +31,31 @@ SPANTEX_INLINE v pixels_between(const blends& fine, const blends& coarse, v frac
 
 // The same where the coarse level has no weight.
 SPANTEX_INLINE v pixels_of_level(const blends& b) { return packed(even(level_colour(b, 0), set(0)), even(level_colour(b, 1), set(0))); }
+
+// --- many samples --------------------------------------------------------------------------------------
+
+// Colours of one level, 8.7, added up: even channels and odd ones, a lane each, of two pixels a register (blends has them so).
+struct colour_sums { v even[2] = {}, odd[2] = {}; };
+
+// counted: all ones where the lane's pixel has this sample.
+SPANTEX_INLINE void add_colours(colour_sums& s, const blends& b, v counted) {
+#pragma GCC unroll 2
+  for (int k = 0; k < 2; ++k) {
+    const v x = level_colour(b, k) & low_words(counted, k);
+    s.even[k] += x & 0xFFFF;
+    s.odd[k] += v(v_32(x) >> 16);
+  }
+}
+
+// Of `samples` colours between two levels; fraction of 256. inverse: ceil(2^15 / samples).
+SPANTEX_INLINE v means_between(const colour_sums& fine, const colour_sums& coarse, v fraction, v samples, v inverse) {
+  const auto one = [&](int k) SPANTEX_INLINED {
+    const v f = low_words(fraction, k) & 0xFFFF, n = low_words(samples, k) & 0xFFFF, y = low_words(inverse, k) & 0xFFFF, half = n << 14;
+    const auto mean = [&](v near, v far) SPANTEX_INLINED {
+      const v t = (near << q.level_bits) + (far - near) * f + half, whole = ((t >> 15) * y) >> 15;
+      return whole - (v((whole * n) << 15 == t) & whole & 1);  // a half: to even
+    };
+    return mean(fine.even[k], coarse.even[k]) | mean(fine.odd[k], coarse.odd[k]) << 16;
+  };
+  return packed(one(0), one(1));
+}

@@ -16,8 +16,8 @@ class planner {
     if (!span_coordinates(r, q, c)) return false;
     const int extent_log2 = max_of(0, q.offset_bits - 1 - c.exponent);
     if (!rounding_is_small(p, r.w, reach_bits(r, 2 << extent_log2))) return false;
-    if (magnitude(r.base_u) > largest_base || magnitude(r.base_v) > largest_base) return false;
-    if constexpr (uses_levels(Kind)) span_levels(q, c);
+    if (magnitude(r.base_u) > largest_base(Kind) || magnitude(r.base_v) > largest_base(Kind)) return false;
+    if constexpr (uses_levels(Kind) && Kind != filter::aniso) plan_levels(c);
     return true;
   }
 

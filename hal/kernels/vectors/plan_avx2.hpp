@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Vector kernels: plan.hpp's set-up for machines with four 64-bit lanes and a shift for each: the quotients of a span side by side, its 16 lengths
-// likewise. Included by ../avx2.cpp alone.
+// Vector kernels: plan.hpp's set-up for machines with four 64-bit lanes and a shift for each: the quotients of a span side by side.
+// Included by ../avx2.cpp alone.
 #pragma once
 
 typedef int64_t v_s64 __attribute__((vector_size(32)));
@@ -41,6 +41,7 @@ SPANTEX_INLINE row_plan row_plan_of(const row_work& work) {
 }
 
 // coordinates_within() and reference_at() of the span that `row` is at.
+template <filter Kind>
 SPANTEX_INLINE bool plan_coordinates(const plane& p, const row_plan& row, span_coefficients& c) {
   const int64_t w = row.w[0];
   if (w <= 0 || row.slope >= uint64_t(w) / 2 - uint64_t(w) / 256) return false;
@@ -48,7 +49,7 @@ SPANTEX_INLINE bool plan_coordinates(const plane& p, const row_plan& row, span_c
   bool in_range = true;
   c.base_u = detail::whole_quotient(row.u[0], w, iw, in_range);
   c.base_v = detail::whole_quotient(row.v[0], w, iw, in_range);
-  if (!in_range || magnitude(c.base_u) > largest_base || magnitude(c.base_v) > largest_base) return false;
+  if (!in_range || magnitude(c.base_u) > largest_base(Kind) || magnitude(c.base_v) > largest_base(Kind)) return false;
   const v_s64 u = row.u - times_base(row.w, c.base_u), w_v = row.v - times_base(row.w, c.base_v);
   const v_s64 size_u = negated_where(u, u < 0), size_v = negated_where(w_v, w_v < 0);
   const uint64_t extent_u = extent_of(size_u), extent_v = extent_of(size_v), extent = extent_u > extent_v ? extent_u : extent_v;
@@ -67,78 +68,16 @@ SPANTEX_INLINE bool plan_coordinates(const plane& p, const row_plan& row, span_c
   return p.rounding_bits == 0 || rounding_is_small(p, w, bit_length(uint64_t(max_of(int32_t(magnitude(c.base_u)), int32_t(magnitude(c.base_v))) + (2 << beyond) + 2)));
 }
 
-// --- levels --------------------------------------------------------------------------------------------
-
-struct knot_table {
-  int32_t pair[1 << log2_table_bits];  // a knot, and in the upper half how far the next one is
-  constexpr knot_table() : pair() {
-    for (int k = 0; k < 1 << log2_table_bits; ++k) {
-      const uint32_t low = log2_knots.knot[k], high = k == (1 << log2_table_bits) - 1 ? 65536u : log2_knots.knot[k + 1];
-      pair[k] = int32_t(low | (high - low) << 16);
-    }
-  }
-};
-constexpr knot_table knots{};
-
-constexpr int significand_bits = 22;  // that log2_16() looks at
-
-// level_term(log2_length()) of eight squares, none of them zero: where the first one is, and what follows it.
-SPANTEX_INLINE v level_terms(v x, int exponent) {
-  const v pair = look_up(knots.pair, (x >> 16) & 63);
-  const v part = v((v_32(pair) >> 16) * v_32(x & 0xFFFF) + 0x8000) >> 16;
-  const v log2 = ((x >> significand_bits) << 16) + (pair & 0xFFFF) + part;
-  return ((log2 >> 1) + ((1 - exponent) * (1 << 16) + 32)) >> 6;
-}
-
-// shift_right_symmetric() of x slope, four of each.
-SPANTEX_INLINE v_s64 times_slopes(v_s64 x, v_s64 slope) {
-  const v_s64 product = v_s64(wide_signed_products(v_64(x), v_64(slope))), negative = product < 0;
-  return negated_where(v_s64((v_64(negated_where(product, negative)) + (uint64_t(1) << (q.reciprocal_bits - 1))) >> q.reciprocal_bits), negative);
-}
-
-// span_levels(). Everything before it is squared is below 2^31: |c| + 7 (|a| + |b|) < 2^30 (give or take the roundings), 7 (|g| + |h|) < 2^29.
-SPANTEX_INLINE void plan_levels(span_coefficients& c) {
-  const v_s64 slopes = {c.g, c.h, c.h, c.g};
-  const v_s64 of_u = times_slopes(v_s64{c.c_u, c.c_u, c.a_u, c.b_u}, slopes), of_v = times_slopes(v_s64{c.c_v, c.c_v, c.a_v, c.b_v}, slopes);
-  const auto at = [](v_s64 x, int k) SPANTEX_INLINED { return int32_t(x[k]); };
-  const v half = half_pixels_across(), twist_u = half * (at(of_u, 2) - at(of_u, 3)), twist_v = half * (at(of_v, 2) - at(of_v, 3));
-  const v row_u = twist_u + (c.a_u - at(of_u, 0)), row_v = twist_v + (c.a_v - at(of_v, 0));
-  const v column_u = (c.b_u - at(of_u, 1)) - twist_u, column_v = (c.b_v - at(of_v, 1)) - twist_v;
-  alignas(32) uint64_t squares[4][width / 2];
-  const auto put_squares = [&](int k, v_64 x, v_64 y) SPANTEX_INLINED {
-    const v_64 square = wide_signed_products(x, x) + wide_signed_products(y, y);
-    __builtin_memcpy(squares[k], &square, sizeof square);
-  };
-  put_squares(0, v_64(row_u), v_64(row_v));
-  put_squares(1, v_64(row_u) >> 32, v_64(row_v) >> 32);
-  put_squares(2, v_64(column_u), v_64(column_v));
-  put_squares(3, v_64(column_u) >> 32, v_64(column_v) >> 32);
-  alignas(32) int32_t normalised[2][width];
-  bool zero = false;
-#pragma GCC unroll 16
-  for (int k = 0; k < 2 * width; ++k) {
-    const uint64_t square = squares[2 * (k / width) + k % 2][k % width / 2];
-    const int zeros = int(_lzcnt_u64(square));
-    zero |= square == 0;
-    normalised[k / width][k % width] = int32_t((square << (zeros & 63)) >> (63 - significand_bits)) + (62 - zeros) * (1 << significand_bits);
-  }
-  if (zero) [[unlikely]] return span_levels(q, c);
-  const v row = level_terms(get(normalised[0]), c.exponent), column = level_terms(get(normalised[1]), c.exponent);
-  const raw both = _mm256_permute4x64_epi64(_mm256_packs_epi32(raw(row), raw(column)), 0xD8);
-  _mm_storeu_si128(reinterpret_cast<__m128i*>(c.level_row), _mm256_castsi256_si128(both));
-  _mm_storeu_si128(reinterpret_cast<__m128i*>(c.level_column), _mm256_extracti128_si256(both, 1));
-}
-
 template <filter Kind>
 class planner {
  public:
   SPANTEX_INLINE explicit planner(const row_work& work) : plane_(*work.map), row_(row_plan_of(work)) {}
   SPANTEX_INLINE bool next(span_coefficients& c) {
-    const bool usable = plan_coordinates(plane_, row_, c);
+    const bool usable = plan_coordinates<Kind>(plane_, row_, c);
     row_.w += row_.next_w;
     row_.u += row_.next_u;
     row_.v += row_.next_v;
-    if constexpr (uses_levels(Kind))
+    if constexpr (uses_levels(Kind) && Kind != filter::aniso)
       if (usable) plan_levels(c);
     return usable;
   }

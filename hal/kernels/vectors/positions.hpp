@@ -2,28 +2,20 @@
 // Vector kernels: texture positions and levels of detail of a span's 64 pixels. Included by the machines' files alone.
 #pragma once
 
-constexpr int parts = span_side / width;  // of a row of pixels
-
 // Of 64 pixels, row by row: positions in texels of level 0, s15.14; levels of detail in 2^-8.
 struct alignas(64) span_positions { int32_t u[span_pixel_count], v[span_pixel_count], level[span_pixel_count]; };
 
-SPANTEX_INLINE v upper(v x) { return x & int32_t(0xFFFF0000); }
-
-// The slope as the series take it: in the upper half of each lane, lower half zero.
-SPANTEX_INLINE v slope16(v e, int slope_log2) { return upper(e << -slope_log2); }
-
-// q of the series, likewise.
+// q of the series from the slope, lanes as slope_lanes() makes them.
 template <int Terms>
-SPANTEX_INLINE v series16(v e16, int slope_log2) {
-  v r = e16;
-  for (int k = 1; k < Terms; ++k) r = e16 - upper(products(e16, r) >> (-2 - slope_log2));
+SPANTEX_INLINE v series_of(v e, int slope_log2) {
+  v r = e;
+  for (int k = 1; k < Terms; ++k) r = e - slope_product(e, r, -2 - slope_log2);
   return r;
 }
 
 // level_at() where |w - 1| < 2^-4.
-SPANTEX_INLINE v level_of(v terms, v e16, int slope_log2, int32_t most) {
-  const v t = e16 - upper(products(e16, e16) >> (-1 - slope_log2));
-  const v log_w = products(t, set(int32_t(level_factor.raw()) << 16)) >> (11 - slope_log2);
+SPANTEX_INLINE v level_of(v terms, v e, int slope_log2, int32_t most) {
+  const v log_w = slope_times(e - slope_product(e, e, -1 - slope_log2), int32_t(level_factor.raw()), 11 - slope_log2);
   const v level = terms - log_w;  // finer() with a bias of -8 takes off half of what lies between 0 and 1
   return least(largest((level - (least(largest(level, set(0)), set(1 << 16)) >> 1) + 128) >> 8, set(0)), set(most));
 }
@@ -44,16 +36,16 @@ SPANTEX_INLINE void find_positions(const span_coefficients& c, span_positions& o
     const v column = Levels ? levels16(c.level_column + width * part) : set(0);
     for (int y = 0; y < span_side; ++y) {
       v u = nu.at, w = nv.at;
-      const v e16 = slope16(ne.at, s);
+      const v e = slope_lanes(ne.at, s);
       if constexpr (Terms > 0) {
-        const v r = series16<Terms>(e16, s);
-        u -= products(u, r) >> (-2 - s);
-        w -= products(w, r) >> (-2 - s);
+        const v r = series_of<Terms>(e, s);
+        u -= product_with_slope(u, r, -2 - s);
+        w -= product_with_slope(w, r, -2 - s);
       }
       const int at = span_side * y + width * part;
       put(out.u + at, ((u + half) >> cut) + base_u);
       put(out.v + at, ((w + half) >> cut) + base_v);
-      if constexpr (Levels) put(out.level + at, level_of(largest(column, set(int32_t(c.level_row[y]) * 64)), e16, s, most));
+      if constexpr (Levels) put(out.level + at, level_of(largest(column, set(int32_t(c.level_row[y]) * 64)), e, s, most));
       nu.next();
       nv.next();
       ne.next();
@@ -71,10 +63,16 @@ struct wide_seed_table {
 };
 constexpr wide_seed_table wide_seeds{};
 
-// newton_step(): y is 2^31 or more, so that its signed value is 2^32 less.
-SPANTEX_INLINE v_64 newton(v_64 m, v_64 y) {
+// newton_step() from a seed: y is 2^31 or more, so that its signed value is 2^32 less.
+SPANTEX_INLINE v_64 first_newton(v_64 m, v_64 y) {
   const v_64 error = ((uint64_t(1) << 63) - wide_products(m, y)) >> 32;
   const v_64 next = ((y << 31) + wide_signed_products(y, error) + (error << 32)) >> 31;
+  return next - (next >> 32);
+}
+
+// The same from what it delivered: y may be less than 2^31, but is never above 2^63 / m, so that the error is not negative.
+SPANTEX_INLINE v_64 next_newton(v_64 m, v_64 y) {
+  const v_64 next = ((y << 31) + wide_products(y, ((uint64_t(1) << 63) - wide_products(m, y)) >> 32)) >> 31;
   return next - (next >> 32);
 }
 
@@ -85,7 +83,7 @@ SPANTEX_INLINE wide_reciprocals reciprocals_of(v w) {
   const v_32 twice = v_32(w) << 1, m = twice + (twice & v_32(below_one));
   const v_64 y = v_64(look_up(wide_seeds.seed, v((m >> 24) & 127)));
   const auto one = [&](v_64 mantissa, v_64 seed, v_64 small) SPANTEX_INLINED {
-    const v_64 r = newton(mantissa, newton(mantissa, seed));
+    const v_64 r = next_newton(mantissa, first_newton(mantissa, seed));
     return (r + (r & small) + 2) >> 2;
   };
   return {one(v_64(m), y & 0xFFFFFFFF, v_64(below_one)), one(v_64(m) >> 32, y >> 32, v_64(below_one) >> 32)};

@@ -126,83 +126,55 @@ SPANTEX_INLINE void draw_bilinear(const row_work& work, int32_t sx, span_mask ma
   write_span(work, sx, mask, [&](int k) SPANTEX_INLINED { return pixels_of(blended_at<MasksOnly>(map, l, get(p.u + k), get(p.v + k))); });
 }
 
-// False where pixels lie on levels that are no exact halves.
+// `width` pixels at a time on their levels of detail.
 template <bool MasksOnly, bool TwoLevels>
-SPANTEX_INLINE bool draw_by_level(const row_work& work, int32_t sx, span_mask mask, const span_positions& p) {
-  const row_levels& map = work.texels->levels_in_rows();
-  const v zero = set(0), last = set(work.last_level);
-  const auto whole_of = [&](v level) SPANTEX_INLINED {
-    return TwoLevels ? level >> q.level_bits : largest(((level + 128 + 255) >> q.level_bits) - 1, zero);
-  };
-  if (map.count() <= work.last_level)
-    for (int k = 0; k < span_pixel_count; ++k) {
-      const int32_t level = p.level[k], deepest = TwoLevels ? min_of((level >> q.level_bits) + 1, work.last_level) : max_of(((level + 128 + 255) >> q.level_bits) - 1, 0);
-      if (deepest >= map.count()) return false;
-    }
-  int32_t held = -1;
-  on_level<int32_t> near{}, far{};
-  write_span(work, sx, mask, [&](int k) SPANTEX_INLINED {
-    const v level = get(p.level + k), whole = whole_of(level), fraction = level & 255;
+class pixels_on_levels {
+ public:
+  SPANTEX_INLINE explicit pixels_on_levels(const row_work& work) : map_(work.texels->levels_in_rows()), last_(work.last_level) {}
+
+  // False where a span's pixels lie on levels that are no exact halves.
+  SPANTEX_INLINE bool all_in(const int32_t* level) const {
+    if (map_.count() > last_) return true;
+    bool in = true;
+    for (int k = 0; k < span_pixel_count; ++k) in &= (TwoLevels ? min_of((level[k] >> q.level_bits) + 1, last_) : max_of(((level[k] + 128 + 255) >> q.level_bits) - 1, 0)) < map_.count();
+    return in;
+  }
+
+  SPANTEX_INLINE v at(v level, const int32_t* u, const int32_t* w) {
+    const v whole = TwoLevels ? level >> q.level_bits : largest(((level + 128 + 255) >> q.level_bits) - 1, set(0)), fraction = level & 255;
     const int32_t first = whole[0];
     if (!all_equal(whole, first)) [[unlikely]] {
       alignas(sizeof(v)) int32_t fine[width], coarse[width], of[width];
       put(fine, whole);
-      put(coarse, least(whole + 1, last));
+      put(coarse, least(whole + 1, set(last_)));
       put(of, fraction);
-      return pixels_by_lane<MasksOnly, TwoLevels>(map, fine, coarse, p.u + k, p.v + k, of);
+      return pixels_by_lane<MasksOnly, TwoLevels>(map_, fine, coarse, u, w, of);
     }
-    if (first != held) {
-      held = first;
-      near = level_at_once(map, first);
-      if (TwoLevels) far = level_at_once(map, min_of(first + 1, work.last_level));
-    }
-    const v u = get(p.u + k), w = get(p.v + k);
-    if (TwoLevels && all_equal(fraction, 0)) return pixels_of_level(blended_at<MasksOnly>(map, near, u, w));
-    return pixels_by_level<MasksOnly, TwoLevels>(map, near, far, u, w, fraction);
-  });
-  return true;
-}
-
-template <filter Kind, bool MasksOnly>
-SPANTEX_INLINE bool draw_span(const row_work& work, int32_t sx, span_mask mask, const span_coefficients& c) {
-  span_positions p;
-  find_positions<uses_levels(Kind)>(c, p);
-  if constexpr (Kind == filter::nearest) draw_nearest<MasksOnly>(work, sx, mask, p);
-  else if constexpr (Kind == filter::bilinear) draw_bilinear<MasksOnly>(work, sx, mask, p);
-  else return draw_by_level<MasksOnly, Kind == filter::trilinear>(work, sx, mask, p);
-  return true;
-}
-
-// What a plan needs to know of the map. False where one period is not enough to wrap a texel.
-SPANTEX_INLINE bool fitted(const row_work& work, span_coefficients& c) {
-  const row_levels& levels = work.texels->levels_in_rows();
-  c.base_u = modulo(c.base_u, levels.modulo_u());
-  c.base_v = modulo(c.base_v, levels.modulo_v());
-  c.last_level = uint8_t(work.last_level);
-  return (1 << max_of(0, q.offset_bits - 1 - c.exponent)) <= levels.place_limit();
-}
-
-// Plans are long chains of dependent operations: several are made one after another, so that they overlap.
-template <filter Kind, bool MasksOnly>
-void draw_row(const row_work& work) {
-  constexpr int batch = 8;
-  span_coefficients c[batch];
-  bool usable[batch];
-  planner<Kind> plans(work);
-  for (int first = 0; first < work.count; first += batch) {
-    const int count = min_of(batch, work.count - first);
-    for (int k = 0; k < count; ++k) usable[k] = plans.next(c[k]) && fitted(work, c[k]);
-    for (int k = 0; k < count; ++k)
-      if (work.masks[first + k] != 0 && !(usable[k] && draw_span<Kind, MasksOnly>(work, work.sx + first + k, work.masks[first + k], c[k]))) work.left[first + k] = true;
+    hold(first);
+    if (TwoLevels && all_equal(fraction, 0)) return pixels_of_level(blended_at<MasksOnly>(map_, near_, get(u), get(w)));
+    return pixels_by_level<MasksOnly, TwoLevels>(map_, near_, far_, get(u), get(w), fraction);
   }
-}
 
-template <filter Kind>
-void draw_row(const row_work& work) {
-  if (work.texels->levels_in_rows().masks_only()) draw_row<Kind, true>(work);
-  else draw_row<Kind, false>(work);
-}
+  // What every lane's level is has been found: near() and far() are of it.
+  SPANTEX_INLINE void hold(int32_t level) {
+    if (level == held_) return;
+    held_ = level;
+    near_ = level_at_once(map_, level);
+    if (TwoLevels) far_ = level_at_once(map_, min_of(level + 1, last_));
+  }
+  SPANTEX_INLINE const on_level<int32_t>& near() const { return near_; }
+  SPANTEX_INLINE const on_level<int32_t>& far() const { return far_; }
 
-void draw_any_row(const row_work& work) {
-  draw_by_filter({draw_row<filter::nearest>, draw_row<filter::bilinear>, draw_row<filter::mip_bilinear>, draw_row<filter::trilinear>}, work);
+ private:
+  const row_levels& map_;
+  int32_t last_, held_ = -1;
+  on_level<int32_t> near_{}, far_{};
+};
+
+template <bool MasksOnly, bool TwoLevels>
+SPANTEX_INLINE bool draw_by_level(const row_work& work, int32_t sx, span_mask mask, const span_positions& p) {
+  pixels_on_levels<MasksOnly, TwoLevels> pixels(work);
+  if (!pixels.all_in(p.level)) return false;
+  write_span(work, sx, mask, [&](int k) SPANTEX_INLINED { return pixels.at(get(p.level + k), p.u + k, p.v + k); });
+  return true;
 }

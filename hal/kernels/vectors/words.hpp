@@ -22,6 +22,10 @@ SPANTEX_INLINE v_64 wide_signed_products(v_64 a, v_64 b) {
 }
 SPANTEX_INLINE v look_up(const int32_t* table, v at) { return v{table[at[0]], table[at[1]], table[at[2]], table[at[3]]}; }
 
+SPANTEX_INLINE void put_words(int16_t* to, v x) {  // saturated
+  for (int k = 0; k < width; ++k) to[k] = int16_t(clamp_to(x[k], INT16_MIN, INT16_MAX));
+}
+
 // 2x2 texels of each pixel interpolated: two channels a word, 32 bits each, 14 bits of fraction.
 struct blends { uint64_t even[width], odd[width]; };
 constexpr int blend_fraction = 14, blend_drop = blend_fraction - q.blend_bits;
@@ -103,4 +107,36 @@ SPANTEX_INLINE v texels_at(const rgba8* from, const uint32_t* at) {
     out[k] = t;
   }
   return out;
+}
+
+// --- many samples --------------------------------------------------------------------------------------
+
+// Colours of one level, 8.7, added up: each pixel's even and odd channels.
+struct colour_sums { uint64_t even[width] = {}, odd[width] = {}; };
+
+// counted: all ones where the lane's pixel has this sample.
+SPANTEX_INLINE void add_colours(colour_sums& s, const blends& b, v counted) {
+  for (int k = 0; k < width; ++k) {
+    const uint64_t mask = uint64_t(int64_t(counted[k]));
+    s.even[k] += to_blend_bits(b.even[k]) & mask;
+    s.odd[k] += to_blend_bits(b.odd[k]) & mask;
+  }
+}
+
+// Of `samples` colours between two levels; fraction of 256. inverse: ceil(2^15 / samples).
+SPANTEX_INLINE v means_between(const colour_sums& fine, const colour_sums& coarse, v fraction, v samples, v inverse) {
+  return pixels_from([&](int k, uint64_t& even, uint64_t& odd) {
+    const uint64_t f = uint32_t(fraction[k]);
+    const uint32_t n = uint32_t(samples[k]), y = uint32_t(inverse[k]);
+    const auto mean = [&](uint32_t sum) {
+      const uint32_t t = sum + (n << 14), whole = ((t >> 15) * y) >> 15;
+      return whole - uint32_t((whole * n) << 15 == t) * (whole & 1);  // a half: to even
+    };
+    const auto both = [&](uint64_t near, uint64_t far) {
+      const uint64_t sum = near * (256 - f) + far * f;
+      return mean(uint32_t(sum)) | uint64_t(mean(uint32_t(sum >> 32))) << 32;
+    };
+    even = both(fine.even[k], coarse.even[k]);
+    odd = both(fine.odd[k], coarse.odd[k]);
+  });
 }

@@ -25,6 +25,14 @@ SPANTEX_INLINE v products(v a, v b) { return v(SPANTEX_OP(madd_epi16)(raw(a), ra
 SPANTEX_INLINE v halves(v low, v high) { return v(SPANTEX_OP(blend_epi16)(raw(low), raw(high), 0xAA)); }
 SPANTEX_INLINE bool all_equal(v a, int32_t b) { return SPANTEX_OP(movemask_epi8)(raw(a == b)) == int(width == 8 ? 0xFFFFFFFF : 0xFFFF); }
 
+// The numbers of the series (coordinates.hpp: series_number): in the upper half of each lane, lower half zero.
+SPANTEX_INLINE v upper(v x) { return x & int32_t(0xFFFF0000); }
+SPANTEX_INLINE v slope_lanes(v e, int slope_log2) { return upper(e << -slope_log2); }
+SPANTEX_INLINE v slope_product(v a, v b, int shift) { return upper(products(a, b) >> shift); }
+SPANTEX_INLINE v product_with_slope(v x, v slope, int shift) { return products(x, slope) >> shift; }
+SPANTEX_INLINE v slope_times(v slope, int32_t factor, int shift) { return products(slope, set(factor << 16)) >> shift; }
+SPANTEX_INLINE v small_products(v a, v b) { return products(a, b); }  // of numbers from 0 to 2^15 - 1
+
 // Of the even lanes.
 SPANTEX_INLINE v_64 wide_products(v_64 a, v_64 b) { return v_64(SPANTEX_OP(mul_epu32)(raw(a), raw(b))); }
 SPANTEX_INLINE v_64 wide_signed_products(v_64 a, v_64 b) { return v_64(SPANTEX_OP(mul_epi32)(raw(a), raw(b))); }
@@ -33,6 +41,16 @@ SPANTEX_INLINE v look_up(const int32_t* table, v at) {
   return v(_mm256_i32gather_epi32(table, raw(at), 4));
 #else
   return v{table[at[0]], table[at[1]], table[at[2]], table[at[3]]};
+#endif
+}
+
+// The lanes as 16-bit numbers, saturated.
+SPANTEX_INLINE void put_words(int16_t* to, v x) {
+  const raw words = SPANTEX_OP(packs_epi32)(raw(x), raw(x));
+#if SPANTEX_AVX2
+  _mm_storeu_si128(reinterpret_cast<__m128i*>(to), _mm256_castsi256_si128(_mm256_permute4x64_epi64(words, 0xD8)));
+#else
+  _mm_storel_epi64(reinterpret_cast<__m128i*>(to), words);
 #endif
 }
 

@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: Apache-2.0
+// Vector kernels: filter aniso, rows of trilinear samples along each pixel's image (footprint.hpp). The axis of a span is the scalar engine's own; lanes
+// are neighbouring pixels, and take a sample each at a time. Included by the machines' files alone.
+#pragma once
+
+static_assert(q.max_samples == 16 && q.sample_bias == -8, "tables of 16; finer() as in positions.hpp");
+
+// By ratio of the axes, a step of 2^-4: how many samples the step begins with, in the upper half, and from where on in it they are one more.
+constexpr int ratio_step_bits = 12, ratio_steps = 4 << (16 - ratio_step_bits);
+struct sample_counts {
+  int32_t step[ratio_steps + 1];
+  static constexpr int32_t at(int32_t ratio) { return clamp_to(int32_t((exp2_16(ratio) - (uint32_t(q.sample_slack) << 12) + 65535) >> 16), 1, q.max_samples); }
+  constexpr sample_counts() : step() {
+    for (int32_t k = 0; k <= ratio_steps; ++k) {
+      const int32_t from = k << ratio_step_bits, count = at(from);
+      int32_t low = 0, high = 1 << ratio_step_bits;  // as many at low; more at high, or there is no high
+      while (high - low > 1) {
+        const int32_t middle = (low + high) / 2;
+        (at(from + middle) > count ? high : low) = middle;
+      }
+      step[k] = count << 16 | high;
+    }
+  }
+};
+constexpr sample_counts counts{};
+
+// By number of samples.
+struct sample_fractions {
+  int32_t half_pitch[17], inverse[17];  // floor((2^16 + n) / 2n); ceil(2^15 / n)
+  constexpr sample_fractions() : half_pitch(), inverse() {
+    for (int n = 1; n <= 16; ++n) {
+      half_pitch[n] = (65536 + n) / (2 * n);
+      inverse[n] = ((1 << 15) + n - 1) / n;
+    }
+  }
+};
+constexpr sample_fractions of_samples{};
+
+constexpr bool inverses_divide() {
+  for (int n = 1; n <= 16; ++n)
+    for (int x = 0; x <= 255 * n + n / 2; ++x)
+      if ((x * of_samples.inverse[n]) >> 15 != x / n) return false;
+  return true;
+}
+static_assert(inverses_divide());
+
+// Of 64 pixels, row by row: the vector before it is divided by w^2; w; number of samples; length and direction of their row, s15.16.
+struct alignas(64) span_rows { int32_t n_u[span_pixel_count], n_v[span_pixel_count], w[span_pixel_count], samples[span_pixel_count], u[span_pixel_count], v[span_pixel_count]; };
+
+// log2 of w in (1/2, 3/2), s.16.
+SPANTEX_INLINE v log2_of_w(v w) {
+  const v below_one = (w >> 30) - 1;
+  return (below_one << 16) + log2_fraction((w + (w & below_one)) >> (30 - significand_bits));
+}
+
+// shape_of(): levels of detail and numbers of samples. False where a vector is zero.
+SPANTEX_INLINE bool find_shapes(const span_coefficients& c, bool flat, int32_t* level, span_rows& out, bool& several) {
+  const axis_terms& t = c.axis;
+  const int32_t area = t.area_log2 * (1 << (16 - level_term_bits)), most = int32_t(c.last_level) << q.level_bits, whole = (1 - t.exponent) * (1 << 16);
+  constexpr int32_t bias = q.sample_bias * (1 << 12);
+  bool nonzero = true;
+  v more = set(0);
+  for (int part = 0; part < parts; ++part) {
+    form nu(t.c_u, t.a_u, t.b_u, part), nv(t.c_v, t.a_v, t.b_v, part), nw(1 << q.reciprocal_bits, c.g, c.h, part);
+    for (int y = 0; y < span_side; ++y) {
+      const int at = span_side * y + width * part;
+      put(out.n_u + at, nu.at);
+      put(out.n_v + at, nv.at);
+      put(out.w + at, nw.at);
+      v half_log2;
+      nonzero &= half_log2_of(squares_of(nu.at, nv.at), half_log2);
+      const v length = half_log2 + whole, log_w = flat ? set(0) : log2_of_w(nw.at), major = length - (log_w << 1);
+      const v ratio = largest(least(least((length << 1) - area - log_w, major - bias), set(4 << 16)), set(0)), minor = major - ratio;
+      put(level + at, least(largest((minor - (least(largest(minor, set(0)), set(1 << 16)) >> 1) + 128) >> 8, set(0)), set(most)));
+      const v step = look_up(counts.step, ratio >> ratio_step_bits);
+      const v samples = (step >> 16) - v((ratio & ((1 << ratio_step_bits) - 1)) >= (step & 0xFFFF));
+      put(out.samples + at, samples);
+      more |= samples - 1;
+      nu.next();
+      nv.next();
+      nw.next();
+    }
+  }
+  several = !all_equal(more, 0);
+  return nonzero;
+}
+
+// |n| / w^2 in 2^-16 texels: both products rounded, then the scale.
+SPANTEX_INLINE v_64 over_square(v_64 n, v_64 reciprocal, int drop) {
+  const auto rounded = [](v_64 x, int shift) SPANTEX_INLINED { return (x + (uint64_t(1) << (shift - 1))) >> shift; };
+  return rounded(rounded(wide_products(rounded(wide_products(n, reciprocal), q.reciprocal_bits), reciprocal), q.reciprocal_bits), drop);
+}
+
+// axis_at(), not saturated. False where a row is longer than `most` texels.
+[[gnu::noinline]] bool find_rows(const span_coefficients& c, int32_t most, span_rows& out) {
+  const int drop = c.axis.exponent - 17;
+  if (drop <= 0) return false;
+  v_64 beyond{};
+  for (int k = 0; k < span_pixel_count; k += width) {
+    const v nu = get(out.n_u + k), nv = get(out.n_v + k), minus_u = nu >> 31, minus_v = nv >> 31;
+    const v_64 u = v_64((nu ^ minus_u) - minus_u), w = v_64((nv ^ minus_v) - minus_v);
+    wide_reciprocals r{v_64{} + (uint64_t(1) << q.reciprocal_bits), v_64{} + (uint64_t(1) << q.reciprocal_bits)};
+    if (c.how != evaluation::affine) r = reciprocals_of(get(out.w + k));
+    const v_64 even_u = over_square(u & 0xFFFFFFFF, r.even, drop), odd_u = over_square(u >> 32, r.odd, drop);
+    const v_64 even_v = over_square(w & 0xFFFFFFFF, r.even, drop), odd_v = over_square(w >> 32, r.odd, drop);
+    beyond |= even_u | odd_u | even_v | odd_v;
+    put(out.u + k, (v(even_u | odd_u << 32) ^ minus_u) - minus_u);
+    put(out.v + k, (v(even_v | odd_v << 32) ^ minus_v) - minus_v);
+  }
+  uint64_t any = 0;
+  for (int k = 0; k < width / 2; ++k) any |= beyond[k];
+  return any < uint64_t(most) << 16;
+}
+
+// length m 2^-16, symmetric: length up to 2^29, m from 0 to 2^15 - 1.
+SPANTEX_INLINE v along(v length, v m) {
+  return (small_products(length >> 15, m) + ((small_products(length & 0x7FFF, m) + 0x8000) >> 15)) >> 1;
+}
+
+// Means over the rows of `width` pixels from the k-th on, of up to `most` samples. Samples 2 m and 2 m + 1 of a loop are the m-th from either end of a row;
+// positions have 14 bits of fraction, which takes nothing from what an integer number of them is snapped to.
+template <bool MasksOnly, class Each>
+SPANTEX_INLINE v means_of_rows(const row_levels& map, const on_level<Each>& fine, const on_level<Each>& coarse, v fraction, const span_positions& p, const span_rows& rows, int k, int most) {
+  static_assert(q.coordinate_bits == 14);
+  const v samples = get(rows.samples + k), pitch = look_up(of_samples.half_pitch, samples), centre_u = get(p.u + k), centre_v = get(p.v + k);
+  const v minus_u = get(rows.u + k) >> 31, minus_v = get(rows.v + k) >> 31, length_u = (get(rows.u + k) ^ minus_u) - minus_u, length_v = (get(rows.v + k) ^ minus_v) - minus_v;
+  const bool two = !all_equal(fraction, 0);
+  colour_sums near, far;
+  const auto add = [&](v u, v w, v counted) SPANTEX_INLINED {
+    add_colours(near, blended_at<MasksOnly>(map, fine, u, w), counted);
+    if (two) add_colours(far, blended_at<MasksOnly>(map, coarse, u, w), counted);
+  };
+  for (int s = 0; s < most; s += 2) {
+    const v m = small_products(largest(samples - 1 - s, set(0)), pitch), u = (along(length_u, m) ^ minus_u) - minus_u, w = (along(length_v, m) ^ minus_v) - minus_v;
+    add(centre_u + (-u >> 2), centre_v + (-w >> 2), v(samples > s));
+    if (s + 1 < most) add(centre_u + (u >> 2), centre_v + (w >> 2), v(samples > s + 1));
+  }
+  return means_between(near, far, fraction, samples, look_up(of_samples.inverse, samples));
+}
+
+template <bool MasksOnly>
+[[gnu::noinline]] v means_by_lane(const row_levels& map, int32_t last, const span_positions& p, const span_rows& rows, int k, int most) {
+  alignas(sizeof(v)) int32_t fine[width], coarse[width];
+  put(fine, get(p.level + k) >> q.level_bits);
+  put(coarse, least(get(fine) + 1, set(last)));
+  return means_of_rows<MasksOnly>(map, level_by_lane(map, fine), level_by_lane(map, coarse), get(p.level + k) & 255, p, rows, k, most);
+}
+
+SPANTEX_INLINE int most_of(const int32_t* samples) {
+  int most = samples[0];
+  if (!all_equal(get(samples), most))
+    for (int k = 1; k < width; ++k) most = max_of(most, samples[k]);
+  return most;
+}
+
+// False where the scalar engine must draw: rows that are too long, vectors of no length, levels that are no exact halves.
+template <bool MasksOnly>
+SPANTEX_INLINE bool draw_aniso(const row_work& work, int32_t sx, span_mask mask, span_positions& p, span_coefficients& c) {
+  const row_levels& map = work.texels->levels_in_rows();
+  pixels_on_levels<MasksOnly, true> pixels(work);
+  span_rows rows;
+  bool several = false;
+  span_axis(q, c);
+  if (!find_shapes(c, (c.g | c.h) == 0, p.level, rows, several) || !pixels.all_in(p.level)) return false;
+  const int32_t reached = 1 << max_of(0, q.offset_bits - 1 - c.exponent);
+  if (several && !find_rows(c, 2 * min_of(longest_row / 2, map.place_limit() - reached - 1), rows)) return false;
+  write_span(work, sx, mask, [&](int k) SPANTEX_INLINED {
+    const int most = most_of(rows.samples + k);
+    if (most == 1) return pixels.at(get(p.level + k), p.u + k, p.v + k);
+    const v level = get(p.level + k), whole = level >> q.level_bits;
+    if (!all_equal(whole, whole[0])) [[unlikely]] return means_by_lane<MasksOnly>(map, work.last_level, p, rows, k, most);
+    pixels.hold(whole[0]);
+    return means_of_rows<MasksOnly>(map, pixels.near(), pixels.far(), level & 255, p, rows, k, most);
+  });
+  return true;
+}

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+// Vector kernels: rows of spans, planned and drawn. Included by the machines' files alone.
+#pragma once
+
+template <filter Kind, bool MasksOnly>
+SPANTEX_INLINE bool draw_span(const row_work& work, int32_t sx, span_mask mask, span_coefficients& c) {
+  span_positions p;
+  find_positions<uses_levels(Kind) && Kind != filter::aniso>(c, p);
+  if constexpr (Kind == filter::nearest) draw_nearest<MasksOnly>(work, sx, mask, p);
+  else if constexpr (Kind == filter::bilinear) draw_bilinear<MasksOnly>(work, sx, mask, p);
+  else if constexpr (Kind == filter::aniso) return draw_aniso<MasksOnly>(work, sx, mask, p, c);
+  else return draw_by_level<MasksOnly, Kind == filter::trilinear>(work, sx, mask, p);
+  return true;
+}
+
+// What a plan needs to know of the map. False where one period is not enough to wrap a texel.
+SPANTEX_INLINE bool fitted(const row_work& work, span_coefficients& c) {
+  const row_levels& levels = work.texels->levels_in_rows();
+  c.base_u = modulo(c.base_u, levels.modulo_u());
+  c.base_v = modulo(c.base_v, levels.modulo_v());
+  c.last_level = uint8_t(work.last_level);
+  return (1 << max_of(0, q.offset_bits - 1 - c.exponent)) <= levels.place_limit();
+}
+
+// Plans are long chains of dependent operations: several are made one after another, so that they overlap.
+template <filter Kind, bool MasksOnly>
+void draw_row(const row_work& work) {
+  constexpr int batch = 8;
+  span_coefficients c[batch];
+  bool usable[batch];
+  planner<Kind> plans(work);
+  for (int first = 0; first < work.count; first += batch) {
+    const int count = min_of(batch, work.count - first);
+    for (int k = 0; k < count; ++k) usable[k] = plans.next(c[k]) && fitted(work, c[k]);
+    for (int k = 0; k < count; ++k)
+      if (work.masks[first + k] != 0 && !(usable[k] && draw_span<Kind, MasksOnly>(work, work.sx + first + k, work.masks[first + k], c[k]))) work.left[first + k] = true;
+  }
+}
+
+template <filter Kind>
+void draw_row(const row_work& work) {
+  if (work.texels->levels_in_rows().masks_only()) draw_row<Kind, true>(work);
+  else draw_row<Kind, false>(work);
+}
+
+void draw_any_row(const row_work& work) {
+  draw_by_filter({draw_row<filter::nearest>, draw_row<filter::bilinear>, draw_row<filter::mip_bilinear>, draw_row<filter::trilinear>, draw_row<filter::aniso>}, work);
+}

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+// Vector kernels: spantex/log2.hpp in lanes. Included by the machines' files alone.
+#pragma once
+
+struct knot_table {
+  int32_t pair[1 << log2_table_bits];  // a knot, and in the upper half how far the next one is
+  constexpr knot_table() : pair() {
+    for (int k = 0; k < 1 << log2_table_bits; ++k) {
+      const uint32_t low = log2_knots.knot[k], high = k == (1 << log2_table_bits) - 1 ? 65536u : log2_knots.knot[k + 1];
+      pair[k] = int32_t(low | (high - low) << 16);
+    }
+  }
+};
+constexpr knot_table knots{};
+
+constexpr int significand_bits = 22;  // that log2_16() looks at
+
+// The fraction of log2_16(), from the bits behind the first one.
+SPANTEX_INLINE v log2_fraction(v bits) {
+  const v pair = look_up(knots.pair, (bits >> 16) & 63);
+  return (pair & 0xFFFF) + (v((v_32(pair) >> 16) * v_32(bits & 0xFFFF) + 0x8000) >> 16);
+}
+
+// Where the first bit is, and those behind it.
+SPANTEX_INLINE int32_t normalised(uint64_t x) {
+  const int zeros = __builtin_clzll(x + (x == 0));
+  return int32_t((x << zeros) >> (63 - significand_bits)) + (62 - zeros) * (1 << significand_bits);
+}
+
+// Half of log2_16() of what was normalised, not zero: log2 of a length from its square.
+SPANTEX_INLINE v half_log2_of(v x) { return (((x >> significand_bits) << 16) + log2_fraction(x)) >> 1; }
+
+// Squares of lengths: the even lanes, then the odd ones.
+struct wide_squares { v_64 even, odd; };
+SPANTEX_INLINE wide_squares squares_of(v x, v y) {
+  const auto square = [](v_64 a, v_64 b) SPANTEX_INLINED { return wide_signed_products(a, a) + wide_signed_products(b, b); };
+  return {square(v_64(x), v_64(y)), square(v_64(x) >> 32, v_64(y) >> 32)};
+}
+
+// False where one of them is zero.
+SPANTEX_INLINE bool half_log2_of(const wide_squares& s, v& out) {
+  constexpr int half = width / 2;
+  alignas(sizeof(v)) uint64_t squares[2][half];
+  alignas(sizeof(v)) int32_t one[width];
+  __builtin_memcpy(squares[0], &s.even, sizeof s.even);
+  __builtin_memcpy(squares[1], &s.odd, sizeof s.odd);
+  bool nonzero = true;
+#pragma GCC unroll 8
+  for (int k = 0; k < width; ++k) {
+    const uint64_t square = squares[k % 2][k / 2];
+    nonzero &= square != 0;
+    one[k] = normalised(square);
+  }
+  out = half_log2_of(get(one));
+  return nonzero;
+}
