@@ -84,7 +84,7 @@ GATES = [
     ("output switch without its second bit", F + "local_memory.hpp", "return (select & 2) ?", "return false ?", "local_memory_banks", "every_fetch*", []),
     ("a vector kernel's halves always up", "hal/kernels/vectors/pixels.hpp", "add16(rest, x & 0x00800080)", "add16(rest, set(0x00800080))", "kernels", "random_planes*", KERNELS),
     ("a vector kernel's texels beyond a period", "hal/kernels/vectors/kernel.hpp", "<= levels.place_limit();", "<= levels.place_limit() + 8192;", "kernels", "random_planes*", KERNELS),
-    ("a vector kernel's second Newton step as its first", "hal/kernels/vectors/positions.hpp", "next_newton(mantissa, first_newton(mantissa, seed))", "first_newton(mantissa, first_newton(mantissa, seed))", "kernels", "reciprocals_just*", KERNELS),
+    ("a vector kernel's second Newton step as its first", "hal/kernels/vectors/reciprocal.hpp", "next_newton(m, first_newton(m, seed))", "first_newton(m, first_newton(m, seed))", "kernels", "reciprocals_just*", KERNELS),
     ("a vector kernel's samples not counted", "hal/kernels/vectors/pixels.hpp", "level_colour(b, k) & low_words(counted, k)", "level_colour(b, k)", "kernels", "random_planes*", KERNELS),
     ("a vector kernel's mean half up", "hal/kernels/vectors/pixels.hpp", "whole - (v((whole * n) << 15 == t) & whole & 1)", "whole", "kernels", "random_planes*", KERNELS),
     ("words rounded half up", "hal/kernels/vectors/words.hpp", "- 1) * in_both + (x >> fraction & in_both)", "- 0) * in_both", "kernels", "random_planes*", KERNELS),

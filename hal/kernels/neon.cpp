@@ -19,6 +19,7 @@ constexpr int width = 4;
 #include "vectors/neon.hpp"
 #include "vectors/slopes.hpp"
 #include "vectors/log2.hpp"
+#include "vectors/reciprocal.hpp"
 #include "vectors/levels.hpp"
 #include "vectors/pixels.hpp"
 #include "vectors/plan.hpp"

@@ -27,6 +27,7 @@ constexpr int width = 4;
 #include "vectors/lanes.hpp"
 #include "vectors/x86.hpp"
 #include "vectors/log2.hpp"
+#include "vectors/reciprocal.hpp"
 #include "vectors/levels.hpp"
 #include "vectors/pixels.hpp"
 #include "vectors/plan.hpp"

@@ -16,6 +16,7 @@ constexpr int width = 4;
 #include "vectors/words.hpp"
 #include "vectors/slopes.hpp"
 #include "vectors/log2.hpp"
+#include "vectors/reciprocal.hpp"
 #include "vectors/levels.hpp"
 #include "vectors/plan.hpp"
 #include "vectors/positions.hpp"

@@ -47,12 +47,6 @@ static_assert(inverses_divide());
 // Of 64 pixels, row by row: the vector before it is divided by w^2; w; number of samples; length and direction of their row, s15.16.
 struct alignas(64) span_rows { int32_t n_u[span_pixel_count], n_v[span_pixel_count], w[span_pixel_count], samples[span_pixel_count], u[span_pixel_count], v[span_pixel_count]; };
 
-// log2 of w in (1/2, 3/2), s.16.
-SPANTEX_INLINE v log2_of_w(v w) {
-  const v below_one = (w >> 30) - 1;
-  return (below_one << 16) + log2_fraction((w + (w & below_one)) >> (30 - significand_bits));
-}
-
 // shape_of(): levels of detail and numbers of samples. False where a vector is zero.
 SPANTEX_INLINE bool find_shapes(const span_coefficients& c, bool flat, int32_t* level, span_rows& out, bool& several) {
   const axis_terms& t = c.axis;
@@ -71,7 +65,7 @@ SPANTEX_INLINE bool find_shapes(const span_coefficients& c, bool flat, int32_t* 
       nonzero &= half_log2_of(squares_of(nu.at, nv.at), half_log2);
       const v length = half_log2 + whole, log_w = flat ? set(0) : log2_of_w(nw.at), major = length - (log_w << 1);
       const v ratio = largest(least(least((length << 1) - area - log_w, major - bias), set(4 << 16)), set(0)), minor = major - ratio;
-      put(level + at, least(largest((minor - (least(largest(minor, set(0)), set(1 << 16)) >> 1) + 128) >> 8, set(0)), set(most)));
+      put(level + at, detail_of(minor, most));
       const v step = look_up(counts.step, ratio >> ratio_step_bits);
       const v samples = (step >> 16) - v((ratio & ((1 << ratio_step_bits) - 1)) >= (step & 0xFFFF));
       put(out.samples + at, samples);
@@ -119,8 +113,8 @@ SPANTEX_INLINE v along(v length, v m) {
 
 // Means over the rows of `width` pixels from the k-th on, of up to `most` samples. Samples 2 m and 2 m + 1 of a loop are the m-th from either end of a row;
 // positions have 14 bits of fraction, which takes nothing from what an integer number of them is snapped to.
-template <bool MasksOnly, class Each>
-SPANTEX_INLINE v means_of_rows(const row_levels& map, const on_level<Each>& fine, const on_level<Each>& coarse, v fraction, const span_positions& p, const span_rows& rows, int k, int most) {
+template <bool MasksOnly, class Shift>
+SPANTEX_INLINE v means_of_rows(const row_levels& map, const on_level<Shift>& fine, const on_level<Shift>& coarse, v fraction, const span_positions& p, const span_rows& rows, int k, int most) {
   static_assert(q.coordinate_bits == 14);
   const v samples = get(rows.samples + k), pitch = look_up(of_samples.half_pitch, samples), centre_u = get(p.u + k), centre_v = get(p.v + k);
   const v minus_u = get(rows.u + k) >> 31, minus_v = get(rows.v + k) >> 31, length_u = (get(rows.u + k) ^ minus_u) - minus_u, length_v = (get(rows.v + k) ^ minus_v) - minus_v;

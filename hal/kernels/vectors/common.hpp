@@ -16,6 +16,8 @@ constexpr int32_t longest_row = 2048;  // texels of level 0 along a row of sampl
 // No position saturates: they lie within 2^max_extent_log2 texels, samples within half a row of them.
 constexpr int32_t largest_base(filter kind) { return 32767 - 4098 - (kind == filter::aniso ? longest_row / 2 : 0); }
 
+constexpr int batch = 8;  // spans that are planned before they are drawn
+
 SPANTEX_INLINE int32_t modulo(int32_t base, int32_t period) {
   if (period == 0) return base;
   const int32_t k = base % period;

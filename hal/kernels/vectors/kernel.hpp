@@ -25,13 +25,17 @@ SPANTEX_INLINE bool fitted(const row_work& work, span_coefficients& c) {
 // Plans are long chains of dependent operations: several are made one after another, so that they overlap.
 template <filter Kind, bool MasksOnly>
 void draw_row(const row_work& work) {
-  constexpr int batch = 8;
   span_coefficients c[batch];
   bool usable[batch];
   planner<Kind> plans(work);
   for (int first = 0; first < work.count; first += batch) {
     const int count = min_of(batch, work.count - first);
-    for (int k = 0; k < count; ++k) usable[k] = plans.next(c[k]) && fitted(work, c[k]);
+    plans.next(count, c, usable);
+    for (int k = 0; k < count; ++k) {
+      usable[k] = usable[k] && fitted(work, c[k]);
+      if constexpr (uses_levels(Kind) && Kind != filter::aniso)
+        if (usable[k]) plan_levels(c[k]);
+    }
     for (int k = 0; k < count; ++k)
       if (work.masks[first + k] != 0 && !(usable[k] && draw_span<Kind, MasksOnly>(work, work.sx + first + k, work.masks[first + k], c[k]))) work.left[first + k] = true;
   }

@@ -21,6 +21,12 @@ SPANTEX_INLINE v log2_fraction(v bits) {
   return (pair & 0xFFFF) + (v((v_32(pair) >> 16) * v_32(bits & 0xFFFF) + 0x8000) >> 16);
 }
 
+// log2 of w in (1/2, 3/2), s.16.
+SPANTEX_INLINE v log2_of_w(v w) {
+  const v below_one = (w >> 30) - 1;
+  return (below_one << 16) + log2_fraction((w + (w & below_one)) >> (30 - significand_bits));
+}
+
 // Where the first bit is, and those behind it.
 SPANTEX_INLINE int32_t normalised(uint64_t x) {
   const int zeros = __builtin_clzll(x + (x == 0));
@@ -39,7 +45,17 @@ SPANTEX_INLINE wide_squares squares_of(v x, v y) {
 
 // False where one of them is zero.
 SPANTEX_INLINE bool half_log2_of(const wide_squares& s, v& out) {
-  constexpr int half = width / 2;
+  constexpr int half = width / 2, drop = 63 - significand_bits;
+  uint64_t any = 0, all = UINT64_MAX;
+  const v_64 either = s.even | s.odd;
+  for (int k = 0; k < half; ++k) any |= either[k];
+  const int zeros = __builtin_clzll(any + (any == 0));
+  const v_64 even = s.even << zeros, odd = s.odd << zeros, both = even & odd;
+  for (int k = 0; k < half; ++k) all &= both[k];
+  if (all >> 63 != 0) [[likely]] {  // one shift for all of them, as their lengths are much the same
+    out = half_log2_of(v(even >> drop | odd >> drop << 32) + (62 - zeros) * (1 << significand_bits));
+    return true;
+  }
   alignas(sizeof(v)) uint64_t squares[2][half];
   alignas(sizeof(v)) int32_t one[width];
   __builtin_memcpy(squares[0], &s.even, sizeof s.even);

@@ -1,88 +1,124 @@
 // SPDX-License-Identifier: Apache-2.0
-// Vector kernels: plan.hpp's set-up for machines with four 64-bit lanes and a shift for each: the quotients of a span side by side.
-// Included by ../avx2.cpp alone.
+// Vector kernels: plan.hpp's set-up for machines with four 64-bit lanes and a shift for each: four spans side by side. Included by ../avx2.cpp alone.
 #pragma once
 
 typedef int64_t v_s64 __attribute__((vector_size(32)));
 
+SPANTEX_INLINE v_s64 all(int64_t x) { return v_s64{} + x; }
+SPANTEX_INLINE v_s64 least(v_s64 a, v_s64 b) { return a < b ? a : b; }
+SPANTEX_INLINE v_s64 largest(v_s64 a, v_s64 b) { return a > b ? a : b; }
 SPANTEX_INLINE v_s64 negated_where(v_s64 x, v_s64 negative) { return (x ^ negative) - negative; }
+SPANTEX_INLINE v_s64 size_of(v_s64 x) { return negated_where(x, x < 0); }
+SPANTEX_INLINE v_s64 bit_lengths(v_s64 x) { return v_s64{bit_length(uint64_t(x[0])), bit_length(uint64_t(x[1])), bit_length(uint64_t(x[2])), bit_length(uint64_t(x[3]))}; }
+SPANTEX_INLINE v_s64 times_reach(v_s64 x) { return (x << 3) - x; }
+static_assert(reach == 7);
 
-// x times a base, modulo 2^64.
-SPANTEX_INLINE v_s64 times_base(v_s64 x, int32_t base) {
-  const v_64 b = v_64{} + magnitude(base);
-  const v_s64 product = v_s64(wide_products(v_64(x), b) + (wide_products(v_64(x) >> 32, b) << 32));
-  return base < 0 ? -product : product;
+// x times bases, modulo 2^64.
+SPANTEX_INLINE v_s64 times_bases(v_s64 x, v_s64 base) {
+  const v_64 size = v_64(size_of(base));
+  return negated_where(v_s64(wide_products(v_64(x), size) + (wide_products(v_64(x) >> 32, size) << 32)), base < 0);
 }
 
-// quotient() of four numerators, with shifts of their own.
-SPANTEX_INLINE v_s64 quotients(v_s64 n, v_s64 size, v_64 drop, v_64 y, v_64 shift) {
-  const v_64 product = wide_products(v_64(size) >> drop, y);
-  return negated_where(v_s64((product + ((v_64{} + 1) << (shift - 1))) >> shift), n < 0);
+struct inverses { v_64 y; v_s64 exponent; };
+
+// quotient(), the shift given: 63 + exponent - drop - scale.
+SPANTEX_INLINE v_s64 quotients(v_s64 n, v_s64 drop, v_64 y, v_s64 shift) {
+  const v_64 product = wide_products(v_64(size_of(n)) >> v_64(drop), y);
+  return negated_where(v_s64((product + ((v_64{} + 1) << v_64(shift - 1))) >> v_64(shift)), n < 0);
 }
 
-SPANTEX_INLINE uint64_t extent_of(v_s64 size) { return uint64_t(size[0]) + uint64_t(reach) * uint64_t(size[1] + size[2]); }
-
-// What is the same for all spans of a row.
-struct row_plan {
-  v_s64 w, u, v;                       // (value at the next span's centre, x, y, slope of w): w's last lane is zero, the others' are its x and y
-  v_s64 next_w, next_u, next_v;        // what the next span adds
-  uint64_t slope;
-  int slope_drop;
-};
-
-SPANTEX_INLINE row_plan row_plan_of(const row_work& work) {
-  const plane& p = *work.map;
-  const int32_t hx = 2 * span_side * work.sx + span_side, hy = 2 * span_side * work.sy + span_side;
-  const int64_t across = 2 * span_side;
-  row_plan r{{p.w_at(hx, hy), p.w.x, p.w.y, 0}, {p.u_at(hx, hy), p.u.x, p.u.y, p.w.x}, {p.v_at(hx, hy), p.v.x, p.v.y, p.w.y},
-             {across * p.w.x, 0, 0, 0}, {across * p.u.x, 0, 0, 0}, {across * p.v.x, 0, 0, 0}, uint64_t(reach) * (magnitude(p.w.x) + magnitude(p.w.y)), 0};
-  r.slope_drop = max_of(0, bit_length(r.slope) - 31);
-  return r;
-}
-
-// coordinates_within() and reference_at() of the span that `row` is at.
-template <filter Kind>
-SPANTEX_INLINE bool plan_coordinates(const plane& p, const row_plan& row, span_coefficients& c) {
-  const int64_t w = row.w[0];
-  if (w <= 0 || row.slope >= uint64_t(w) / 2 - uint64_t(w) / 256) return false;
-  const inverse iw = invert(w);
-  bool in_range = true;
-  c.base_u = detail::whole_quotient(row.u[0], w, iw, in_range);
-  c.base_v = detail::whole_quotient(row.v[0], w, iw, in_range);
-  if (!in_range || magnitude(c.base_u) > largest_base(Kind) || magnitude(c.base_v) > largest_base(Kind)) return false;
-  const v_s64 u = row.u - times_base(row.w, c.base_u), w_v = row.v - times_base(row.w, c.base_v);
-  const v_s64 size_u = negated_where(u, u < 0), size_v = negated_where(w_v, w_v < 0);
-  const uint64_t extent_u = extent_of(size_u), extent_v = extent_of(size_v), extent = extent_u > extent_v ? extent_u : extent_v;
-  const int extent_bits = bit_length(extent), extent_log2 = extent_bits - bit_length(uint64_t(w)) + 1;
-  if (extent_log2 > max_extent_log2) return false;
-  const int exponent = mantissa_exponent(q, extent_log2), drop = max_of(0, extent_bits - 31);
-  const int shift = 63 + iw.exponent - drop - exponent, slope_shift = 63 + iw.exponent - row.slope_drop - q.reciprocal_bits;
-  const v_64 drops = {uint64_t(drop), uint64_t(drop), uint64_t(drop), uint64_t(row.slope_drop)}, y = v_64{} + iw.y;
-  const v_64 shifts = {uint64_t(shift), uint64_t(shift), uint64_t(shift), uint64_t(slope_shift)};
-  const v qu = v(quotients(u, size_u, drops, y, shifts)), qv = v(quotients(w_v, size_v, drops, y, shifts));
-  c.c_u = qu[0]; c.a_u = qu[2]; c.b_u = qu[4]; c.g = qu[6];
-  c.c_v = qv[0]; c.a_v = qv[2]; c.b_v = qv[4]; c.h = qv[6];
-  c.exponent = int8_t(exponent);
-  choose_evaluation(q, reach, extent_log2, true, c);
-  const int beyond = max_of(0, q.offset_bits - 1 - exponent);
-  return p.rounding_bits == 0 || rounding_is_small(p, w, bit_length(uint64_t(max_of(int32_t(magnitude(c.base_u)), int32_t(magnitude(c.base_v))) + (2 << beyond) + 2)));
-}
-
+// Plans the spans of a row of work, four at a time, from the first on: see plan.hpp.
 template <filter Kind>
 class planner {
  public:
-  SPANTEX_INLINE explicit planner(const row_work& work) : plane_(*work.map), row_(row_plan_of(work)) {}
-  SPANTEX_INLINE bool next(span_coefficients& c) {
-    const bool usable = plan_coordinates<Kind>(plane_, row_, c);
-    row_.w += row_.next_w;
-    row_.u += row_.next_u;
-    row_.v += row_.next_v;
-    if constexpr (uses_levels(Kind) && Kind != filter::aniso)
-      if (usable) plan_levels(c);
-    return usable;
+  SPANTEX_INLINE explicit planner(const row_work& work) : plane_(*work.map) {
+    const plane& p = plane_;
+    const int32_t hx = 2 * span_side * work.sx + span_side, hy = 2 * span_side * work.sy + span_side;
+    const v_s64 step = v_s64{0, 1, 2, 3} * (2 * span_side);
+    w_ = p.w_at(hx, hy) + step * p.w.x;
+    u_ = p.u_at(hx, hy) + step * p.u.x;
+    v_ = p.v_at(hx, hy) + step * p.v.x;
+    const uint64_t slope = uint64_t(reach) * (magnitude(p.w.x) + magnitude(p.w.y));
+    slope_ = int64_t(min_of(bit_length(slope), 63) == 63 ? INT64_MAX : slope);
+    slope_drop_ = max_of(0, bit_length(slope) - 31);
+  }
+
+  SPANTEX_INLINE void next(int count, span_coefficients* c, bool* usable) {
+    for (int k = 0; k < count; k += 4) next(c + k, usable + k);
   }
 
  private:
+  SPANTEX_INLINE void next(span_coefficients* c, bool* usable) {
+    const plane& p = plane_;
+    const v_s64 w = w_, nu = u_, nv = v_;
+    constexpr int across = 4 * 2 * span_side;
+    w_ += across * p.w.x;
+    u_ += across * p.u.x;
+    v_ += across * p.v.x;
+    v_s64 in = (w > 0) & (all(slope_) < (w >> 1) - (w >> 8));
+    const v_s64 w_bits = bit_lengths(w);
+    const v_64 mantissas = v_64(w) << v_64(64 - w_bits) >> 32;
+    const __m128i seeds = _mm256_i64gather_epi32(wide_seeds.seed, raw(mantissas >> (31 - reciprocal_seed_bits) & ((1 << reciprocal_seed_bits) - 1)), 4);
+    const inverses iw{reciprocal_wide(mantissas, v_64(_mm256_cvtepu32_epi64(seeds))), w_bits - 32};
+    const auto whole_quotients = [&](v_s64 n) SPANTEX_INLINED {
+      const v_s64 bits = bit_lengths(size_of(n)), drop = largest(bits - 31, all(0)), r = quotients(n, drop, iw.y, iw.exponent + 63 - drop);
+      in &= (bits <= w_bits + 15) & (size_of(r) <= largest_base(Kind));
+      return r;
+    };
+    const v_s64 base_u = whole_quotients(nu), base_v = whole_quotients(nv);
+    // coordinates_within()
+    const v_s64 c_u = nu - times_bases(w, base_u), a_u = p.u.x - times_bases(all(p.w.x), base_u), b_u = p.u.y - times_bases(all(p.w.y), base_u);
+    const v_s64 c_v = nv - times_bases(w, base_v), a_v = p.v.x - times_bases(all(p.w.x), base_v), b_v = p.v.y - times_bases(all(p.w.y), base_v);
+    const auto extent_of = [](v_s64 x, v_s64 right, v_s64 down) SPANTEX_INLINED { return size_of(x) + times_reach(size_of(right) + size_of(down)); };
+    const v_s64 extent_bits = bit_lengths(largest(extent_of(c_u, a_u, b_u), extent_of(c_v, a_v, b_v))), extent_log2 = extent_bits - w_bits + 1;
+    in &= extent_log2 <= max_extent_log2;
+    const v_s64 exponent = least(q.offset_bits - 1 - extent_log2, all(max_exponent)), drop = largest(extent_bits - 31, all(0)), shift = iw.exponent + 63 - drop - exponent;
+    const v_s64 slope_shift = iw.exponent + (63 - slope_drop_ - q.reciprocal_bits), g = quotients(all(p.w.x), all(slope_drop_), iw.y, slope_shift),
+                h = quotients(all(p.w.y), all(slope_drop_), iw.y, slope_shift);
+    // choose_evaluation()
+    const v_s64 steepness = times_reach(size_of(g) + size_of(h)), slope_log2 = largest(bit_lengths(steepness) - q.reciprocal_bits, all(least_slope_log2));
+    const v_s64 steep = slope_log2 > most_series_slope_log2, affine_log2 = extent_log2 + slope_log2 + 1, resolution = (q.offset_bits - 1) - exponent + slope_log2;
+    const v_s64 series = ~steep & (resolution <= series_bits - 3 - q.tolerance_bits);
+    v_s64 terms = all(divide_terms), error_log2 = affine_log2 + slope_log2 * most_series_terms;
+    for (int n = most_series_terms; n >= 1; --n, error_log2 -= slope_log2) terms = (series & (error_log2 <= -q.tolerance_bits - 1)) != 0 ? all(n) : terms;
+    terms = ((steepness == 0) | (affine_log2 - steep <= -q.tolerance_bits)) != 0 ? all(0) : terms;
+    if (p.rounding_bits != 0) {  // rounding_is_small()
+      const v_s64 reached = v_s64((v_64{} + 2) << v_64(largest(q.offset_bits - 1 - exponent, all(0)))), farthest = largest(size_of(base_u), size_of(base_v)) + reached + 2;
+      in &= bit_lengths(farthest) + (p.rounding_bits + set_up_tolerance_bits) < w_bits;
+    }
+    alignas(32) int32_t of[14][4];
+    const auto keep = [&](int field, v_s64 x, v_s64 y) SPANTEX_INLINED {  // two fields, the lower halves of their lanes
+      const raw both = _mm256_castps_si256(_mm256_shuffle_ps(_mm256_castsi256_ps(raw(x)), _mm256_castsi256_ps(raw(y)), 0x88));
+      _mm256_store_si256(reinterpret_cast<__m256i*>(of[field]), _mm256_permute4x64_epi64(both, 0xD8));
+    };
+    const auto mantissa = [&](v_s64 n) SPANTEX_INLINED { return quotients(n, drop, iw.y, shift); };
+    keep(0, base_u, base_v);
+    keep(2, mantissa(c_u), mantissa(a_u));
+    keep(4, mantissa(b_u), mantissa(c_v));
+    keep(6, mantissa(a_v), mantissa(b_v));
+    keep(8, g, h);
+    keep(10, exponent, slope_log2);
+    keep(12, terms, in);
+    static constexpr evaluation hows[] = {evaluation::affine, evaluation::series, evaluation::series, evaluation::series, evaluation::series, evaluation::divide};
+    for (int k = 0; k < 4; ++k) {
+      span_coefficients& one = c[k];
+      one.base_u = of[0][k]; one.base_v = of[1][k];
+      one.c_u = of[2][k]; one.a_u = of[3][k]; one.b_u = of[4][k];
+      one.c_v = of[5][k]; one.a_v = of[6][k]; one.b_v = of[7][k];
+      one.g = of[8][k]; one.h = of[9][k];
+      one.exponent = int8_t(of[10][k]);
+      one.slope_log2 = int8_t(of[11][k]);
+      one.how = hows[of[12][k]];
+      one.terms = uint8_t(of[12][k]);
+      usable[k] = of[13][k] != 0;
+    }
+  }
+
+  static constexpr int divide_terms = most_series_terms + 1;
+
   const plane& plane_;
-  row_plan row_;
+  v_s64 w_, u_, v_;  // of the next four spans' centres
+  int64_t slope_;
+  int slope_drop_;
 };
+static_assert(batch % 4 == 0);

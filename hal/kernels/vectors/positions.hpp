@@ -13,12 +13,13 @@ SPANTEX_INLINE v series_of(v e, int slope_log2) {
   return r;
 }
 
-// level_at() where |w - 1| < 2^-4.
-SPANTEX_INLINE v level_of(v terms, v e, int slope_log2, int32_t most) {
-  const v log_w = slope_times(e - slope_product(e, e, -1 - slope_log2), int32_t(level_factor.raw()), 11 - slope_log2);
-  const v level = terms - log_w;  // finer() with a bias of -8 takes off half of what lies between 0 and 1
+// finer() with a bias of -8, which takes off half of what lies between 0 and 1; then to 2^-8, clamped.
+SPANTEX_INLINE v detail_of(v level, int32_t most) {
   return least(largest((level - (least(largest(level, set(0)), set(1 << 16)) >> 1) + 128) >> 8, set(0)), set(most));
 }
+
+// 2 log2 w where |w - 1| < 2^-4.
+SPANTEX_INLINE v twice_log2_of_slope(v e, int slope_log2) { return slope_times(e - slope_product(e, e, -1 - slope_log2), int32_t(level_factor.raw()), 11 - slope_log2); }
 
 // c + a hx + b hy, row by row.
 struct form {
@@ -45,7 +46,7 @@ SPANTEX_INLINE void find_positions(const span_coefficients& c, span_positions& o
       const int at = span_side * y + width * part;
       put(out.u + at, ((u + half) >> cut) + base_u);
       put(out.v + at, ((w + half) >> cut) + base_v);
-      if constexpr (Levels) put(out.level + at, level_of(largest(column, set(int32_t(c.level_row[y]) * 64)), e, s, most));
+      if constexpr (Levels) put(out.level + at, detail_of(largest(column, set(int32_t(c.level_row[y]) * 64)) - twice_log2_of_slope(e, s), most));
       nu.next();
       nv.next();
       ne.next();
@@ -55,27 +56,6 @@ SPANTEX_INLINE void find_positions(const span_coefficients& c, span_positions& o
 
 // --- the divide: 64 bits a pixel, even lanes and odd ones ------------------------------------------------
 
-struct wide_seed_table {
-  int32_t seed[1 << reciprocal_seed_bits];
-  constexpr wide_seed_table() : seed() {
-    for (int k = 0; k < 1 << reciprocal_seed_bits; ++k) seed[k] = int32_t(uint32_t(reciprocal_seeds.seed[k]) << 16);
-  }
-};
-constexpr wide_seed_table wide_seeds{};
-
-// newton_step() from a seed: y is 2^31 or more, so that its signed value is 2^32 less.
-SPANTEX_INLINE v_64 first_newton(v_64 m, v_64 y) {
-  const v_64 error = ((uint64_t(1) << 63) - wide_products(m, y)) >> 32;
-  const v_64 next = ((y << 31) + wide_signed_products(y, error) + (error << 32)) >> 31;
-  return next - (next >> 32);
-}
-
-// The same from what it delivered: y may be less than 2^31, but is never above 2^63 / m, so that the error is not negative.
-SPANTEX_INLINE v_64 next_newton(v_64 m, v_64 y) {
-  const v_64 next = ((y << 31) + wide_products(y, ((uint64_t(1) << 63) - wide_products(m, y)) >> 32)) >> 31;
-  return next - (next >> 32);
-}
-
 // reciprocal_of_w(w, 30), w in (1/2, 3/2).
 struct wide_reciprocals { v_64 even, odd; };
 SPANTEX_INLINE wide_reciprocals reciprocals_of(v w) {
@@ -83,7 +63,7 @@ SPANTEX_INLINE wide_reciprocals reciprocals_of(v w) {
   const v_32 twice = v_32(w) << 1, m = twice + (twice & v_32(below_one));
   const v_64 y = v_64(look_up(wide_seeds.seed, v((m >> 24) & 127)));
   const auto one = [&](v_64 mantissa, v_64 seed, v_64 small) SPANTEX_INLINED {
-    const v_64 r = next_newton(mantissa, first_newton(mantissa, seed));
+    const v_64 r = reciprocal_wide(mantissa, seed);
     return (r + (r & small) + 2) >> 2;
   };
   return {one(v_64(m), y & 0xFFFFFFFF, v_64(below_one)), one(v_64(m) >> 32, y >> 32, v_64(below_one) >> 32)};
@@ -114,9 +94,15 @@ static_assert(q.offset_bits - 1 - max_extent_log2 - q.coordinate_bits + q.recipr
   }
 }
 
-// level_at() where it takes a table: the scalar datapath.
+// level_at() where it takes a table.
 [[gnu::noinline]] void steep_levels(const span_coefficients& c, span_positions& out) {
-  for (int k = 0; k < span_pixel_count; ++k) out.level[k] = level_at(prof{}, c, k % span_side, k / span_side);
+  const int32_t most = int32_t(c.last_level) << q.level_bits;
+  for (int part = 0; part < parts; ++part) {
+    form nw(1 << q.reciprocal_bits, c.g, c.h, part);
+    const v column = levels16(c.level_column + width * part);
+    for (int y = 0; y < span_side; ++y, nw.next())
+      put(out.level + span_side * y + width * part, detail_of(largest(column, set(int32_t(c.level_row[y]) * 64)) - (log2_of_w(nw.at) << 1), most));
+  }
 }
 
 template <bool Levels>

@@ -2,18 +2,24 @@
 // Vector kernels: a span by each filter. Included by the machines' files alone.
 #pragma once
 
-// What a lane's level says of its map, the same for all lanes (int32_t) or not (v).
-template <class Each>
+// What a lane's level says of its map, the same for all lanes (Shift is int32_t) or not (v).
+template <class Shift>
 struct on_level {
-  Each add, cut;                                  // position: (s15.14 + add) >> cut, 7 bits of fraction
-  Each field[row_levels::field_count];
+  v add;                               // position: (s15.14 + add) >> cut, 7 bits of fraction
+  Shift cut;
+  Shift down;                          // texels from y to y + 1
+  v field[row_levels::field_count];
 };
+
+SPANTEX_INLINE int32_t cut_of(int level) { return q.coordinate_bits - q.subtexel_bits + level; }
+SPANTEX_INLINE int32_t add_of(int level) { return (1 << (cut_of(level) - 1)) - (1 << (q.coordinate_bits - 1 + level)); }
 
 SPANTEX_INLINE on_level<int32_t> level_at_once(const row_levels& map, int level) {
   on_level<int32_t> l;
-  l.cut = q.coordinate_bits - q.subtexel_bits + level;
-  l.add = (1 << (l.cut - 1)) - (1 << (q.coordinate_bits - 1 + level));
-  for (int k = 0; k < row_levels::field_count; ++k) l.field[k] = map.value(row_levels::field(k), level);
+  l.cut = cut_of(level);
+  l.add = set(add_of(level));
+  l.down = map.value(row_levels::step, level) >> 16;
+  for (int k = 0; k < row_levels::field_count; ++k) l.field[k] = set(map.value(row_levels::field(k), level));
   return l;
 }
 
@@ -21,54 +27,47 @@ SPANTEX_INLINE on_level<int32_t> level_at_once(const row_levels& map, int level)
   on_level<v> l;
   alignas(sizeof(v)) int32_t lane[2 + row_levels::field_count][width];
   for (int n = 0; n < width; ++n) {
-    const on_level<int32_t> one = level_at_once(map, level[n]);
-    lane[0][n] = one.add;
-    lane[1][n] = one.cut;
-    for (int k = 0; k < row_levels::field_count; ++k) lane[2 + k][n] = one.field[k];
+    lane[0][n] = add_of(level[n]);
+    lane[1][n] = cut_of(level[n]);
+    for (int k = 0; k < row_levels::field_count; ++k) lane[2 + k][n] = map.value(row_levels::field(k), level[n]);
   }
   l.add = get(lane[0]);
   l.cut = get(lane[1]);
   for (int k = 0; k < row_levels::field_count; ++k) l.field[k] = get(lane[2 + k]);
+  l.down = l.field[row_levels::step] >> 16;
   return l;
 }
 
-SPANTEX_INLINE v lanes(v x) { return x; }
-SPANTEX_INLINE v lanes(int32_t x) { return set(x); }
-
 // Both axes of a texel in a lane, wrapped: see row_levels.
-template <bool MasksOnly, class Each>
-SPANTEX_INLINE v wrapped_texel(v at, const on_level<Each>& l) {
-  const v kept = lanes(l.field[row_levels::mask]);
+template <bool MasksOnly, class Shift>
+SPANTEX_INLINE v wrapped_texel(v at, const on_level<Shift>& l) {
+  const v kept = l.field[row_levels::mask];
   if constexpr (MasksOnly) return at & kept;
-  const v turn = lanes(l.field[row_levels::period]);
+  const v turn = l.field[row_levels::period];
   at = least16_unsigned(at, add16(at, turn));
   at = least16_unsigned(at, subtract16(at, turn)) & kept;
-  return least16(largest16(at, lanes(l.field[row_levels::low])), lanes(l.field[row_levels::high]));
+  return least16(largest16(at, l.field[row_levels::low]), l.field[row_levels::high]);
 }
 
 // Four texels of each lane, interpolated.
-template <bool MasksOnly>
-SPANTEX_INLINE blends blended_at(const row_levels& map, const on_level<int32_t>& l, v position_u, v position_v) {
+template <bool MasksOnly, class Shift>
+SPANTEX_INLINE blends blended_at(const row_levels& map, const on_level<Shift>& l, v position_u, v position_v) {
   const v u = (position_u + l.add) >> l.cut, w = (position_v + l.add) >> l.cut;
   const v texel = wrapped_texel<MasksOnly>(halves(u >> q.subtexel_bits, w << (16 - q.subtexel_bits)), l);
-  alignas(sizeof(v)) int32_t at[width];
-  put(at, products(texel, set(l.field[row_levels::step])) + l.field[row_levels::origin]);
-  const uint32_t* const index = reinterpret_cast<const uint32_t*>(at);
-  return blend(map.texels(), index, map.texels() + (l.field[row_levels::step] >> 16), index, halves(u, w << 16) & 0x007F007F);
-}
-template <bool MasksOnly>
-SPANTEX_INLINE blends blended_at(const row_levels& map, const on_level<v>& l, v position_u, v position_v) {
-  const v u = (position_u + l.add) >> l.cut, w = (position_v + l.add) >> l.cut, step = l.field[row_levels::step];
-  const v texel = wrapped_texel<MasksOnly>(halves(u >> q.subtexel_bits, w << (16 - q.subtexel_bits)), l);
-  const v top = products(texel, step) + l.field[row_levels::origin];
+  const v top = products(texel, l.field[row_levels::step]) + l.field[row_levels::origin], fraction = halves(u, w << 16) & 0x007F007F;
   alignas(sizeof(v)) int32_t at[2][width];
+  const uint32_t* const index = reinterpret_cast<const uint32_t*>(at);
   put(at[0], top);
-  put(at[1], top + (step >> 16));
-  return blend(map.texels(), reinterpret_cast<const uint32_t*>(at[0]), map.texels(), reinterpret_cast<const uint32_t*>(at[1]), halves(u, w << 16) & 0x007F007F);
+  if constexpr (sizeof l.down == sizeof(int32_t)) {
+    return blend(map.texels(), index, map.texels() + l.down, index, fraction);
+  } else {
+    put(at[1], top + l.down);
+    return blend(map.texels(), index, map.texels(), index + width, fraction);
+  }
 }
 
-template <bool MasksOnly, bool TwoLevels, class Each>
-SPANTEX_INLINE v pixels_by_level(const row_levels& map, const on_level<Each>& fine, const on_level<Each>& coarse, v u, v w, v fraction) {
+template <bool MasksOnly, bool TwoLevels, class Shift>
+SPANTEX_INLINE v pixels_by_level(const row_levels& map, const on_level<Shift>& fine, const on_level<Shift>& coarse, v u, v w, v fraction) {
   const blends near = blended_at<MasksOnly>(map, fine, u, w);
   if constexpr (TwoLevels) return pixels_between(near, blended_at<MasksOnly>(map, coarse, u, w), fraction);
   else return pixels_of(near);
@@ -114,7 +113,7 @@ SPANTEX_INLINE void draw_nearest(const row_work& work, int32_t sx, span_mask mas
   write_span(work, sx, mask, [&](int k) SPANTEX_INLINED {
     const v texel = wrapped_texel<MasksOnly>(halves(get(p.u + k) >> q.coordinate_bits, get(p.v + k) << (16 - q.coordinate_bits)), l);
     alignas(sizeof(v)) int32_t at[width];
-    put(at, products(texel, set(l.field[row_levels::step])) + l.field[row_levels::origin]);
+    put(at, products(texel, l.field[row_levels::step]) + l.field[row_levels::origin]);
     return texels_at(map.texels(), reinterpret_cast<const uint32_t*>(at));
   });
 }
