@@ -77,7 +77,7 @@ int main() {
   struct { kernels::choice which; const char* name; } const every[] = {{kernels::choice::words, "words"}, {kernels::choice::sse41, "sse41"}, {kernels::choice::avx2, "avx2"},
                                                                        {kernels::choice::neon, "neon"}, {kernels::choice::avx512, "avx512"}};
   struct { filter kind; const char* name; } const filters[] = {{filter::nearest, "nearest"}, {filter::bilinear, "bilinear"}, {filter::mip_bilinear, "mip-bilinear"},
-                                                               {filter::trilinear, "trilinear"}};
+                                                               {filter::trilinear, "trilinear"}, {filter::aniso, "aniso"}};
   for (const auto& kernel : every) {
     if (kernels::kernel_of(kernel.which) == nullptr) continue;
     for (const auto& f : filters) {

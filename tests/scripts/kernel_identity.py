@@ -10,7 +10,7 @@ import tempfile
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 SOURCES = ["tests/identity/kernel_identity.cpp", *(str(path) for path in sorted(ROOT.glob("hal/kernels/*.cpp")))]
 BUILDS = [("aarch64-linux-gnu-g++", "qemu-aarch64", ("words", "neon")), ("s390x-linux-gnu-g++", "qemu-s390x", ("words",))]
-FILTERS = ("nearest", "bilinear", "mip-bilinear", "trilinear")
+FILTERS = ("nearest", "bilinear", "mip-bilinear", "trilinear", "aniso")
 
 
 def verdict(compiler, emulator, kernels, folder):

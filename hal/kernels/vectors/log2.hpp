@@ -56,17 +56,14 @@ SPANTEX_INLINE bool half_log2_of(const wide_squares& s, v& out) {
     out = half_log2_of(v(even >> drop | odd >> drop << 32) + (62 - zeros) * (1 << significand_bits));
     return true;
   }
-  alignas(sizeof(v)) uint64_t squares[2][half];
-  alignas(sizeof(v)) int32_t one[width];
-  __builtin_memcpy(squares[0], &s.even, sizeof s.even);
-  __builtin_memcpy(squares[1], &s.odd, sizeof s.odd);
+  alignas(sizeof(v)) uint64_t one[half];
   bool nonzero = true;
-#pragma GCC unroll 8
-  for (int k = 0; k < width; ++k) {
-    const uint64_t square = squares[k % 2][k / 2];
-    nonzero &= square != 0;
-    one[k] = normalised(square);
+  for (int k = 0; k < half; ++k) {
+    nonzero &= s.even[k] != 0 && s.odd[k] != 0;
+    one[k] = uint32_t(normalised(s.even[k])) | uint64_t(uint32_t(normalised(s.odd[k]))) << 32;
   }
-  out = half_log2_of(get(one));
+  v_64 all_of;
+  __builtin_memcpy(&all_of, one, sizeof one);
+  out = half_log2_of(v(all_of));
   return nonzero;
 }
