@@ -17,7 +17,7 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 F = "firmware/spantex/"
 
 STRESS = ["stress", "a_short_run*", [f"sim/stress{part}.cpp" for part in ("", "_describe", "_footprints", "_judge", "_planes", "_polygons")]]
-KERNELS = [f"hal/kernels/{name}.cpp" for name in ("avx2", "avx512", "kernel", "neon", "planar_map", "row_levels", "sse41", "words")]
+KERNELS = [f"hal/kernels/{name}.cpp" for name in ("avx2", "avx512", "byte_planes", "kernel", "neon", "planar_map", "row_levels", "sse41", "words")]
 OBJECT_SPACE = ["sim/" + name + ".cpp" for name in ("distance_field", "draw_host", "encode", "encode_bc", "encode_etc", "figures", "file", "ideal",
                                                     "image", "map", "object_space_host", "palette", "pattern", "prefilter", "quality", "reference",
                                                     "scene", "trace", "unchanged", "world")] + KERNELS

@@ -22,6 +22,7 @@
 namespace spantex::kernels {
 namespace {
 
+#define SPANTEX_TABLES 0
 #define SPANTEX_AVX2 1
 #include "vectors/common.hpp"
 constexpr int width = 8;

@@ -41,6 +41,12 @@ bool draws(filter f) {
   return f == filter::nearest || f == filter::bilinear || f == filter::mip_bilinear || f == filter::trilinear || f == filter::aniso;
 }
 
-layout layout_of(choice c) { return resolved(c) == choice::avx512 ? layout::blocks : layout::rows; }
+layout layout_of(choice c) {
+  switch (resolved(c)) {
+    case choice::avx512: return layout::blocks;
+    case choice::neon: return layout::rows_and_planes;
+    default: return layout::rows;
+  }
+}
 
 }  // namespace spantex::kernels

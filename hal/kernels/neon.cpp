@@ -13,6 +13,7 @@
 namespace spantex::kernels {
 namespace {
 
+#define SPANTEX_TABLES 1
 constexpr int width = 4;
 #include "vectors/common.hpp"
 #include "vectors/lanes.hpp"
@@ -25,6 +26,7 @@ constexpr int width = 4;
 #include "vectors/plan.hpp"
 #include "vectors/positions.hpp"
 #include "vectors/spans.hpp"
+#include "vectors/tables_neon.hpp"
 #include "vectors/aniso.hpp"
 #include "vectors/kernel.hpp"
 

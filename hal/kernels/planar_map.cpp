@@ -26,8 +26,10 @@ std::vector<int32_t> wrapped(int32_t before, int32_t count, const auto& of) {
 planar_map::planar_map(const texture_view& view, layout of)
     : width_(view.width()), height_(view.height()), wrap_u_(view.wrap_u()), wrap_v_(view.wrap_v()), period_u_(period(wrap_u_, width_)),
       period_v_(period(wrap_v_, height_)) {
-  if (of == layout::rows) {
+  if (of != layout::blocks) {
     levels_in_rows_ = row_levels(view);
+    opaque_ = levels_in_rows_.opaque();
+    if (of == layout::rows_and_planes && levels_in_rows_.masks_only()) planes_ = byte_planes(view, levels_in_rows_.count());
     return;
   }
   rows_down_ = length_of(wrap_v_, height_);

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include <spantex/texture.hpp>
+#include "byte_planes.hpp"
 #include "row_levels.hpp"
 
 namespace spantex::kernels {
@@ -29,8 +30,8 @@ struct alignas(64) planar_levels {
   int32_t ratio_u[max_planar_levels] = {}, ratio_v[max_planar_levels] = {};            // texture_view::ratio_u(): 2^31 reads as INT32_MIN
 };
 
-// What a kernel reads: blocks and the rows of level 0, or all levels in rows.
-enum class layout : uint8_t { blocks, rows };
+// What a kernel reads: blocks and the rows of level 0; all levels in rows; or these and, of maps whose axes wrap at powers of two, planes of bytes.
+enum class layout : uint8_t { blocks, rows, rows_and_planes };
 
 // A period is what positions may be taken modulo: the side, twice the side for mirror; 0 for clamp, where blocks are clamped instead.
 class planar_map {
@@ -42,7 +43,8 @@ class planar_map {
   const planar_levels& levels() const { return levels_; }
   const uint8_t* blocks() const { return blocks_.data() + skew_; }  // 64-byte aligned; values are texels ^ 0x80, signed bytes
   const rgba8* row(int32_t y) const { return rows_.data() + int64_t(y + texel_apron) * row_stride_ + texel_apron; }  // of level 0; x and y from -texel_apron
-  const row_levels& levels_in_rows() const { return levels_in_rows_; }  // empty but for layout::rows
+  const row_levels& levels_in_rows() const { return levels_in_rows_; }  // empty for layout::blocks
+  const byte_planes& planes() const { return planes_; }   // empty but for layout::rows_and_planes
   bool opaque() const { return opaque_; }                 // every texel of every level has alpha 255
   int32_t row_stride() const { return row_stride_; }
   int32_t rows_across() const { return row_stride_ - 2 * texel_apron; }
@@ -61,6 +63,7 @@ class planar_map {
   size_t skew_ = 0;
   std::vector<rgba8> rows_;
   row_levels levels_in_rows_;
+  byte_planes planes_;
   bool exact_ = true, steady_ = true, opaque_ = true;
   int32_t row_stride_ = 0, rows_down_ = 0, width_, height_;
   wrap wrap_u_, wrap_v_;

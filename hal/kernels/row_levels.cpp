@@ -49,7 +49,10 @@ void row_levels::add_texels(const texture_view& view, int level) {
   texels_.reserve(texels_.size() + size_t(columns) * size_t(rows));
   for (int32_t y = 0; y < rows; ++y) {
     const int32_t v = view.wrapped_v(y - apron, level);
-    for (const int32_t u : across) texels_.push_back(view.texel(level, u, v));
+    for (const int32_t u : across) {
+      texels_.push_back(view.texel(level, u, v));
+      opaque_ &= texels_.back().a == 255;
+    }
   }
 }
 

@@ -25,6 +25,7 @@ class row_levels {
   int32_t value(field f, int level) const { return fields_[f][level]; }
   int count() const { return count_; }                // of levels whose sides halve exactly, from level 0 on
   bool masks_only() const { return masks_only_; }     // both axes repeat or mirror after a power of two: k & mask is all
+  bool opaque() const { return opaque_; }             // every texel of these has alpha 255
   int32_t modulo_u() const { return modulo_u_; }      // what bases are taken modulo, texels of level 0; 0 where they may stay
   int32_t modulo_v() const { return modulo_v_; }
   // How far texels of level 0 may lie from a base, in either axis.
@@ -36,7 +37,7 @@ class row_levels {
   int32_t fields_[field_count][most] = {};
   std::vector<rgba8> texels_;
   int count_ = 0;
-  bool masks_only_ = true;
+  bool masks_only_ = true, opaque_ = true;
   int32_t modulo_u_ = 0, modulo_v_ = 0, place_limit_ = INT32_MAX;
 };
 

@@ -21,6 +21,7 @@
 namespace spantex::kernels {
 namespace {
 
+#define SPANTEX_TABLES 0
 #define SPANTEX_AVX2 0
 #include "vectors/common.hpp"
 constexpr int width = 4;

@@ -10,6 +10,7 @@
 namespace spantex::kernels {
 namespace {
 
+#define SPANTEX_TABLES 0
 constexpr int width = 4;
 #include "vectors/common.hpp"
 #include "vectors/lanes.hpp"

@@ -7,6 +7,9 @@ SPANTEX_INLINE bool draw_span(const row_work& work, int32_t sx, span_mask mask, 
   span_positions p;
   find_positions<uses_levels(Kind) && Kind != filter::aniso>(c, p);
   if constexpr (Kind == filter::nearest) draw_nearest<MasksOnly>(work, sx, mask, p);
+#if SPANTEX_TABLES
+  else if constexpr (MasksOnly && Kind != filter::aniso) return draw_by_tables<Kind>(work, sx, mask, p, c);
+#endif
   else if constexpr (Kind == filter::bilinear) draw_bilinear<MasksOnly>(work, sx, mask, p);
   else if constexpr (Kind == filter::aniso) return draw_aniso<MasksOnly>(work, sx, mask, p, c);
   else return draw_by_level<MasksOnly, Kind == filter::trilinear>(work, sx, mask, p);

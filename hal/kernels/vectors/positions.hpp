@@ -15,7 +15,7 @@ SPANTEX_INLINE v series_of(v e, int slope_log2) {
 
 // finer() with a bias of -8, which takes off half of what lies between 0 and 1; then to 2^-8, clamped.
 SPANTEX_INLINE v detail_of(v level, int32_t most) {
-  return least(largest((level - (least(largest(level, set(0)), set(1 << 16)) >> 1) + 128) >> 8, set(0)), set(most));
+  return least(largest(rounded_shift(level - (least(largest(level, set(0)), set(1 << 16)) >> 1), 8), set(0)), set(most));
 }
 
 // 2 log2 w where |w - 1| < 2^-4.
@@ -31,10 +31,11 @@ struct form {
 template <int Terms, bool Levels>
 SPANTEX_INLINE void find_positions(const span_coefficients& c, span_positions& out) {
   const int s = c.slope_log2, cut = c.exponent - q.coordinate_bits;
-  const int32_t half = 1 << (cut - 1), most = int32_t(c.last_level) << q.level_bits, base_u = c.base_u * (1 << q.coordinate_bits), base_v = c.base_v * (1 << q.coordinate_bits);
+  const int32_t most = int32_t(c.last_level) << q.level_bits, base_u = c.base_u * (1 << q.coordinate_bits), base_v = c.base_v * (1 << q.coordinate_bits);
   for (int part = 0; part < parts; ++part) {
     form nu(c.c_u, c.a_u, c.b_u, part), nv(c.c_v, c.a_v, c.b_v, part), ne(0, c.g, c.h, part);
     const v column = Levels ? levels16(c.level_column + width * part) : set(0);
+#pragma GCC unroll 2
     for (int y = 0; y < span_side; ++y) {
       v u = nu.at, w = nv.at;
       const v e = slope_lanes(ne.at, s);
@@ -44,8 +45,8 @@ SPANTEX_INLINE void find_positions(const span_coefficients& c, span_positions& o
         w -= product_with_slope(w, r, -2 - s);
       }
       const int at = span_side * y + width * part;
-      put(out.u + at, ((u + half) >> cut) + base_u);
-      put(out.v + at, ((w + half) >> cut) + base_v);
+      put(out.u + at, rounded_shift(u, cut) + base_u);
+      put(out.v + at, rounded_shift(w, cut) + base_v);
       if constexpr (Levels) put(out.level + at, detail_of(largest(column, set(int32_t(c.level_row[y]) * 64)) - twice_log2_of_slope(e, s), most));
       nu.next();
       nv.next();
