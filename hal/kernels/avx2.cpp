@@ -32,7 +32,7 @@ constexpr int width = 8;
 #include "vectors/reciprocal.hpp"
 #include "vectors/levels.hpp"
 #include "vectors/pixels.hpp"
-#include "vectors/plan_avx2.hpp"
+#include "vectors/plan_lanes.hpp"
 #include "vectors/positions.hpp"
 #include "vectors/spans.hpp"
 #include "vectors/aniso.hpp"

@@ -23,7 +23,7 @@ constexpr int width = 4;
 #include "vectors/reciprocal.hpp"
 #include "vectors/levels.hpp"
 #include "vectors/pixels.hpp"
-#include "vectors/plan.hpp"
+#include "vectors/plan_lanes.hpp"
 #include "vectors/positions.hpp"
 #include "vectors/spans.hpp"
 #include "vectors/tables_neon.hpp"

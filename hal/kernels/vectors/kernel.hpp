@@ -17,11 +17,13 @@ SPANTEX_INLINE bool draw_span(const row_work& work, int32_t sx, span_mask mask, 
 }
 
 // What a plan needs to know of the map. False where one period is not enough to wrap a texel.
+template <bool MasksOnly>
 SPANTEX_INLINE bool fitted(const row_work& work, span_coefficients& c) {
   const row_levels& levels = work.texels->levels_in_rows();
+  c.last_level = uint8_t(work.last_level);
+  if (MasksOnly) return true;
   c.base_u = modulo(c.base_u, levels.modulo_u());
   c.base_v = modulo(c.base_v, levels.modulo_v());
-  c.last_level = uint8_t(work.last_level);
   return (1 << max_of(0, q.offset_bits - 1 - c.exponent)) <= levels.place_limit();
 }
 
@@ -35,7 +37,7 @@ void draw_row(const row_work& work) {
     const int count = min_of(batch, work.count - first);
     plans.next(count, c, usable);
     for (int k = 0; k < count; ++k) {
-      usable[k] = usable[k] && fitted(work, c[k]);
+      usable[k] = usable[k] && fitted<MasksOnly>(work, c[k]);
       if constexpr (uses_levels(Kind) && Kind != filter::aniso)
         if (usable[k]) plan_levels(c[k]);
     }

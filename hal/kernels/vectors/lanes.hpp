@@ -6,6 +6,7 @@ typedef int32_t v __attribute__((vector_size(4 * width)));
 typedef int16_t v_words __attribute__((vector_size(4 * width)));
 typedef uint32_t v_32 __attribute__((vector_size(4 * width)));
 typedef uint64_t v_64 __attribute__((vector_size(4 * width)));  // half as many lanes: even ones, or odd ones shifted down
+typedef int64_t v_s64 __attribute__((vector_size(4 * width)));
 typedef uint16_t v_unsigned __attribute__((vector_size(4 * width)));
 
 constexpr int parts = span_side / width;  // of a row of pixels
@@ -19,6 +20,8 @@ SPANTEX_INLINE v get(const int32_t* from) {
 SPANTEX_INLINE void put(void* to, v x) { __builtin_memcpy(to, &x, sizeof x); }
 SPANTEX_INLINE v least(v a, v b) { return a < b ? a : b; }
 SPANTEX_INLINE v largest(v a, v b) { return a > b ? a : b; }
+
+SPANTEX_INLINE v_s64 negated_where(v_s64 x, v_s64 negative) { return (x ^ negative) - negative; }
 
 // Both 16-bit halves of each lane.
 SPANTEX_INLINE v add16(v a, v b) { return v(v_unsigned(a) + v_unsigned(b)); }

@@ -10,6 +10,10 @@ SPANTEX_INLINE v halves(v low, v high) { return v(vbslq_s32(vdupq_n_u32(0xFFFF),
 SPANTEX_INLINE v rounded_shift(v x, int shift) { return v(vrshlq_s32(int32x4_t(x), vdupq_n_s32(-shift))); }  // to nearest, halves up
 SPANTEX_INLINE bool all_equal(v a, int32_t b) { return vminvq_u32(uint32x4_t(a == b)) != 0; }
 
+// 64-bit lanes; a product's shift is 1 or more and rounds halves up.
+SPANTEX_INLINE v_s64 size_of(v_s64 x) { return v_s64(vabsq_s64(int64x2_t(x))); }
+SPANTEX_INLINE v_64 rounded_shift(v_64 x, v_64 shift) { return v_64(vrshlq_u64(uint64x2_t(x), vnegq_s64(int64x2_t(shift)))); }
+
 // Of the even lanes.
 SPANTEX_INLINE v_64 wide_products(v_64 a, v_64 b) { return v_64(vmull_u32(vmovn_u64(uint64x2_t(a)), vmovn_u64(uint64x2_t(b)))); }
 SPANTEX_INLINE v_64 wide_signed_products(v_64 a, v_64 b) { return v_64(vmull_s32(vmovn_s64(int64x2_t(a)), vmovn_s64(int64x2_t(b)))); }

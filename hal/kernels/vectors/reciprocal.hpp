@@ -23,5 +23,11 @@ SPANTEX_INLINE v_64 next_newton(v_64 m, v_64 y) {
   return next - (next >> 32);
 }
 
+// Seeds by the bits of m behind the first one.
+SPANTEX_INLINE v_64 seeds_at(v_64 index) {
+  for (size_t k = 0; k < sizeof index / sizeof index[0]; ++k) index[k] = uint32_t(wide_seeds.seed[index[k]]);
+  return index;
+}
+
 // reciprocal_wide()
 SPANTEX_INLINE v_64 reciprocal_wide(v_64 m, v_64 seed) { return next_newton(m, first_newton(m, seed)); }

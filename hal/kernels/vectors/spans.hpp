@@ -11,7 +11,7 @@ struct on_level {
   v field[row_levels::field_count];
 };
 
-SPANTEX_INLINE int32_t cut_of(int level) { return q.coordinate_bits - q.subtexel_bits + level; }
+constexpr int32_t cut_of(int level) { return q.coordinate_bits - q.subtexel_bits + level; }
 SPANTEX_INLINE int32_t add_of(int level) { return (1 << (cut_of(level) - 1)) - (1 << (q.coordinate_bits - 1 + level)); }
 
 SPANTEX_INLINE on_level<int32_t> level_at_once(const row_levels& map, int level) {

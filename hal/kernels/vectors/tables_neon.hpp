@@ -4,11 +4,12 @@
 // time, 16 bits each (pixels.hpp). Quads whose section is larger, or that lie on more than one level, take spans.hpp's way. Included by ../neon.cpp alone.
 #pragma once
 
+constexpr int most_table_level = 16 - cut_of(0);  // positions are shifted up, then down by 16
 constexpr int quad_side = 4, quad_pixels = quad_side * quad_side;
 
 // A level as a span's quads meet it. Positions on it are relative to a texel near the span's base, 7 bits of fraction.
 struct table_level {
-  int32x4_t add_u, add_v, minus_cut;
+  int32x4_t add_u, add_v, up;  // position: bits 16 to 31 of (s15.14 << up) + add
   const uint8_t* values;
   byte_planes::level plane;
   int32_t from_u, from_v;  // the texel
@@ -20,10 +21,11 @@ SPANTEX_INLINE table_level table_of(const planar_map& map, const span_coefficien
   t.values = map.planes().values() + t.plane.first;
   t.from_u = c.base_u >> level;
   t.from_v = c.base_v >> level;
-  const auto add = [&](int32_t from) SPANTEX_INLINED { return vdupq_n_s32(add_of(level) - from * (1 << (q.coordinate_bits + level))); };
+  const int up = max_of(0, 16 - cut_of(level));
+  const auto add = [&](int32_t from) SPANTEX_INLINED { return vdupq_n_s32(int32_t(uint32_t(add_of(level) - from * (1 << (q.coordinate_bits + level))) << up)); };
   t.add_u = add(t.from_u);
   t.add_v = add(t.from_v);
-  t.minus_cut = vdupq_n_s32(-cut_of(level));
+  t.up = vdupq_n_s32(up);
   return t;
 }
 
@@ -37,9 +39,11 @@ struct table_samples {
 
 // False where the section is too large.
 SPANTEX_INLINE bool samples_of(const table_level& l, const span_positions& p, int k, table_samples& s) {
-  const auto row = [&](const int32_t* position, int32x4_t add, int r) SPANTEX_INLINED { return int16x8_t(vshlq_s32(vaddq_s32(vld1q_s32(position + k + span_side * r), add), l.minus_cut)); };
-  const int16x8_t u0 = vuzp1q_s16(row(p.u, l.add_u, 0), row(p.u, l.add_u, 1)), u1 = vuzp1q_s16(row(p.u, l.add_u, 2), row(p.u, l.add_u, 3));
-  const int16x8_t v0 = vuzp1q_s16(row(p.v, l.add_v, 0), row(p.v, l.add_v, 1)), v1 = vuzp1q_s16(row(p.v, l.add_v, 2), row(p.v, l.add_v, 3));
+  const auto rows = [&](const int32_t* position, int32x4_t add) SPANTEX_INLINED {
+    const auto row = [&](int r) SPANTEX_INLINED { return vshlq_s32(vld1q_s32(position + k + span_side * r), l.up); };
+    return vaddhn_high_s32(vaddhn_s32(row(0), add), row(1), add);
+  };
+  const int16x8_t u0 = rows(p.u, l.add_u), u1 = rows(p.u + 2 * span_side, l.add_u), v0 = rows(p.v, l.add_v), v1 = rows(p.v + 2 * span_side, l.add_v);
   const int left = vminvq_s16(vminq_s16(u0, u1)) >> q.subtexel_bits, right = vmaxvq_s16(vmaxq_s16(u0, u1)) >> q.subtexel_bits;
   const int top = vminvq_s16(vminq_s16(v0, v1)) >> q.subtexel_bits, bottom = vmaxvq_s16(vmaxq_s16(v0, v1)) >> q.subtexel_bits;
   const uint32_t column = uint32_t(l.from_u + left) & uint32_t(l.plane.mask_u), row_at = uint32_t(l.from_v + top) & uint32_t(l.plane.mask_v);
@@ -47,12 +51,9 @@ SPANTEX_INLINE bool samples_of(const table_level& l, const span_positions& p, in
   if (right - begins > byte_planes::table_side - 2 || bottom - top > byte_planes::table_side - 2) return false;
   s.rows = bottom - top + 2;
   s.first = l.values + (column / byte_planes::strip_pitch * uint32_t(l.plane.strip) + row_at * byte_planes::table_side);
-  const auto texels = [](int16x8_t a, int16x8_t b, int from) SPANTEX_INLINED {
-    const uint16x8_t less = vdupq_n_u16(uint16_t(from * (1 << q.subtexel_bits)));
-    return vshrn_high_n_u16(vshrn_n_u16(vsubq_u16(uint16x8_t(a), less), q.subtexel_bits), vsubq_u16(uint16x8_t(b), less), q.subtexel_bits);
-  };
+  const auto texels = [](int16x8_t a, int16x8_t b) SPANTEX_INLINED { return vshrn_high_n_u16(vshrn_n_u16(uint16x8_t(a), q.subtexel_bits), uint16x8_t(b), q.subtexel_bits); };
   const auto weights = [](int16x8_t a, int16x8_t b) SPANTEX_INLINED { return vandq_u8(vuzp1q_u8(uint8x16_t(a), uint8x16_t(b)), vdupq_n_u8(0x7F)); };
-  s.index = vsliq_n_u8(texels(u0, u1, begins), texels(v0, v1, top), 4);
+  s.index = vsubq_u8(vmlaq_u8(texels(u0, u1), texels(v0, v1), vdupq_n_u8(16)), vdupq_n_u8(uint8_t(16 * top + begins)));
   s.across = weights(u0, u1);
   s.from_left = vsubq_u8(vdupq_n_u8(128), s.across);
   const uint8x16_t of_v = weights(v0, v1), zero = vdupq_n_u8(0);
@@ -103,13 +104,10 @@ SPANTEX_INLINE void blend_tables(const table_level& l, const table_samples& s, t
   else blend_tables<Channels, 4, Rest>(l, s, out);
 }
 
-// even() of pixels.hpp.
+// even() of pixels.hpp: what is not rounded up is one less, then halves go up. (0 less one is 2^16 - 1, whose rounding is 0 again in eight bits.)
 SPANTEX_INLINE uint8x16_t even_bytes(const int16x8_t (&x)[2], const int16x8_t (&rest)[2]) {
-  const auto one = [&](int n) SPANTEX_INLINED {
-    const int16x8_t up = int16x8_t(vcgtzq_s16(vaddq_s16(rest[n], vandq_s16(x[n], vdupq_n_s16(0x80)))));
-    return uint16x8_t(vsubq_s16(vaddq_s16(x[n], vdupq_n_s16(0x3F)), up));
-  };
-  return vshrn_high_n_u16(vshrn_n_u16(one(0), q.blend_bits), one(1), q.blend_bits);
+  const auto one = [&](int n) SPANTEX_INLINED { return vaddq_u16(uint16x8_t(x[n]), vclezq_s16(vaddq_s16(rest[n], vandq_s16(x[n], vdupq_n_s16(0x80))))); };
+  return vrshrn_high_n_u16(vrshrn_n_u16(one(0), q.blend_bits), one(1), q.blend_bits);
 }
 
 // Four rows of four pixels.
@@ -201,7 +199,7 @@ SPANTEX_INLINE bool quads_by_tables(const row_work& work, int32_t sx, span_mask 
         fine = table_of(map, c, whole);
         if constexpr (two) coarse = table_of(map, c, min_of(whole + 1, work.last_level));
       }
-      if (extent_log2 - whole <= 7) {  // positions fit 16 bits
+      if (extent_log2 - whole <= 7 && whole < most_table_level) {  // positions fit 16 bits
         if constexpr (two) {
           const bool mixed = vmaxvq_u16(vorrq_u16(uint16x8_t(fraction[0]), uint16x8_t(fraction[1]))) != 0;
           drawn = mixed ? quad_between<Channels>(fine, coarse, fraction, p, k, out) : quad_of_level<Channels, true>(fine, p, k, out);

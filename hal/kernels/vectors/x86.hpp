@@ -34,6 +34,10 @@ SPANTEX_INLINE v product_with_slope(v x, v slope, int shift) { return products(x
 SPANTEX_INLINE v slope_times(v slope, int32_t factor, int shift) { return products(slope, set(factor << 16)) >> shift; }
 SPANTEX_INLINE v small_products(v a, v b) { return products(a, b); }  // of numbers from 0 to 2^15 - 1
 
+// 64-bit lanes; a product's shift is 1 or more and rounds halves up.
+SPANTEX_INLINE v_s64 size_of(v_s64 x) { return negated_where(x, x < 0); }
+SPANTEX_INLINE v_64 rounded_shift(v_64 x, v_64 shift) { return (x + ((v_64{} + 1) << (shift - 1))) >> shift; }
+
 // Of the even lanes.
 SPANTEX_INLINE v_64 wide_products(v_64 a, v_64 b) { return v_64(SPANTEX_OP(mul_epu32)(raw(a), raw(b))); }
 SPANTEX_INLINE v_64 wide_signed_products(v_64 a, v_64 b) { return v_64(SPANTEX_OP(mul_epi32)(raw(a), raw(b))); }

@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// Vector kernels: plan.hpp's set-up for machines with four 64-bit lanes and a shift for each: four spans side by side. Included by ../avx2.cpp alone.
+// Vector kernels: plan.hpp's set-up for machines with 64-bit lanes and a shift for each: as many spans side by side. Included by the machines' files alone.
 #pragma once
 
-typedef int64_t v_s64 __attribute__((vector_size(32)));
+constexpr int wide_lanes = width / 2;
+static_assert(batch % wide_lanes == 0);
 
 SPANTEX_INLINE v_s64 all(int64_t x) { return v_s64{} + x; }
 SPANTEX_INLINE v_s64 least(v_s64 a, v_s64 b) { return a < b ? a : b; }
 SPANTEX_INLINE v_s64 largest(v_s64 a, v_s64 b) { return a > b ? a : b; }
-SPANTEX_INLINE v_s64 negated_where(v_s64 x, v_s64 negative) { return (x ^ negative) - negative; }
-SPANTEX_INLINE v_s64 size_of(v_s64 x) { return negated_where(x, x < 0); }
-SPANTEX_INLINE v_s64 bit_lengths(v_s64 x) { return v_s64{bit_length(uint64_t(x[0])), bit_length(uint64_t(x[1])), bit_length(uint64_t(x[2])), bit_length(uint64_t(x[3]))}; }
+SPANTEX_INLINE v_s64 bit_lengths(v_s64 x) {
+  for (int k = 0; k < wide_lanes; ++k) x[k] = bit_length(uint64_t(x[k]));
+  return x;
+}
 SPANTEX_INLINE v_s64 times_reach(v_s64 x) { return (x << 3) - x; }
 static_assert(reach == 7);
 
@@ -23,18 +25,18 @@ struct inverses { v_64 y; v_s64 exponent; };
 
 // quotient(), the shift given: 63 + exponent - drop - scale.
 SPANTEX_INLINE v_s64 quotients(v_s64 n, v_s64 drop, v_64 y, v_s64 shift) {
-  const v_64 product = wide_products(v_64(size_of(n)) >> v_64(drop), y);
-  return negated_where(v_s64((product + ((v_64{} + 1) << v_64(shift - 1))) >> v_64(shift)), n < 0);
+  return negated_where(v_s64(rounded_shift(wide_products(v_64(size_of(n)) >> v_64(drop), y), v_64(shift))), n < 0);
 }
 
-// Plans the spans of a row of work, four at a time, from the first on: see plan.hpp.
+// Plans the spans of a row of work, from the first on: see plan.hpp.
 template <filter Kind>
 class planner {
  public:
   SPANTEX_INLINE explicit planner(const row_work& work) : plane_(*work.map) {
     const plane& p = plane_;
     const int32_t hx = 2 * span_side * work.sx + span_side, hy = 2 * span_side * work.sy + span_side;
-    const v_s64 step = v_s64{0, 1, 2, 3} * (2 * span_side);
+    v_s64 step{};
+    for (int k = 0; k < wide_lanes; ++k) step[k] = 2 * span_side * k;
     w_ = p.w_at(hx, hy) + step * p.w.x;
     u_ = p.u_at(hx, hy) + step * p.u.x;
     v_ = p.v_at(hx, hy) + step * p.v.x;
@@ -44,22 +46,21 @@ class planner {
   }
 
   SPANTEX_INLINE void next(int count, span_coefficients* c, bool* usable) {
-    for (int k = 0; k < count; k += 4) next(c + k, usable + k);
+    for (int k = 0; k < count; k += wide_lanes) next(c + k, usable + k);
   }
 
  private:
   SPANTEX_INLINE void next(span_coefficients* c, bool* usable) {
     const plane& p = plane_;
     const v_s64 w = w_, nu = u_, nv = v_;
-    constexpr int across = 4 * 2 * span_side;
+    constexpr int across = wide_lanes * 2 * span_side;
     w_ += across * p.w.x;
     u_ += across * p.u.x;
     v_ += across * p.v.x;
     v_s64 in = (w > 0) & (all(slope_) < (w >> 1) - (w >> 8));
     const v_s64 w_bits = bit_lengths(w);
     const v_64 mantissas = v_64(w) << v_64(64 - w_bits) >> 32;
-    const __m128i seeds = _mm256_i64gather_epi32(wide_seeds.seed, raw(mantissas >> (31 - reciprocal_seed_bits) & ((1 << reciprocal_seed_bits) - 1)), 4);
-    const inverses iw{reciprocal_wide(mantissas, v_64(_mm256_cvtepu32_epi64(seeds))), w_bits - 32};
+    const inverses iw{reciprocal_wide(mantissas, seeds_at(mantissas >> (31 - reciprocal_seed_bits) & ((1 << reciprocal_seed_bits) - 1))), w_bits - 32};
     const auto whole_quotients = [&](v_s64 n) SPANTEX_INLINED {
       const v_s64 bits = bit_lengths(size_of(n)), drop = largest(bits - 31, all(0)), r = quotients(n, drop, iw.y, iw.exponent + 63 - drop);
       in &= (bits <= w_bits + 15) & (size_of(r) <= largest_base(Kind));
@@ -86,39 +87,30 @@ class planner {
       const v_s64 reached = v_s64((v_64{} + 2) << v_64(largest(q.offset_bits - 1 - exponent, all(0)))), farthest = largest(size_of(base_u), size_of(base_v)) + reached + 2;
       in &= bit_lengths(farthest) + (p.rounding_bits + set_up_tolerance_bits) < w_bits;
     }
-    alignas(32) int32_t of[14][4];
-    const auto keep = [&](int field, v_s64 x, v_s64 y) SPANTEX_INLINED {  // two fields, the lower halves of their lanes
-      const raw both = _mm256_castps_si256(_mm256_shuffle_ps(_mm256_castsi256_ps(raw(x)), _mm256_castsi256_ps(raw(y)), 0x88));
-      _mm256_store_si256(reinterpret_cast<__m256i*>(of[field]), _mm256_permute4x64_epi64(both, 0xD8));
-    };
     const auto mantissa = [&](v_s64 n) SPANTEX_INLINED { return quotients(n, drop, iw.y, shift); };
-    keep(0, base_u, base_v);
-    keep(2, mantissa(c_u), mantissa(a_u));
-    keep(4, mantissa(b_u), mantissa(c_v));
-    keep(6, mantissa(a_v), mantissa(b_v));
-    keep(8, g, h);
-    keep(10, exponent, slope_log2);
-    keep(12, terms, in);
+    const v_s64 fields[] = {base_u, base_v, mantissa(c_u), mantissa(a_u), mantissa(b_u), mantissa(c_v), mantissa(a_v), mantissa(b_v), g, h, exponent, slope_log2, terms, in};
+    alignas(sizeof(v)) int64_t of[sizeof fields / sizeof fields[0]][wide_lanes];
+    __builtin_memcpy(of, fields, sizeof fields);
     static constexpr evaluation hows[] = {evaluation::affine, evaluation::series, evaluation::series, evaluation::series, evaluation::series, evaluation::divide};
-    for (int k = 0; k < 4; ++k) {
+    for (int k = 0; k < wide_lanes; ++k) {
       span_coefficients& one = c[k];
-      one.base_u = of[0][k]; one.base_v = of[1][k];
-      one.c_u = of[2][k]; one.a_u = of[3][k]; one.b_u = of[4][k];
-      one.c_v = of[5][k]; one.a_v = of[6][k]; one.b_v = of[7][k];
-      one.g = of[8][k]; one.h = of[9][k];
-      one.exponent = int8_t(of[10][k]);
-      one.slope_log2 = int8_t(of[11][k]);
-      one.how = hows[of[12][k]];
-      one.terms = uint8_t(of[12][k]);
-      usable[k] = of[13][k] != 0;
+      const auto field = [&](int n) SPANTEX_INLINED { return int32_t(of[n][k]); };
+      one.base_u = field(0); one.base_v = field(1);
+      one.c_u = field(2); one.a_u = field(3); one.b_u = field(4);
+      one.c_v = field(5); one.a_v = field(6); one.b_v = field(7);
+      one.g = field(8); one.h = field(9);
+      one.exponent = int8_t(field(10));
+      one.slope_log2 = int8_t(field(11));
+      one.how = hows[field(12)];
+      one.terms = uint8_t(field(12));
+      usable[k] = field(13) != 0;
     }
   }
 
   static constexpr int divide_terms = most_series_terms + 1;
 
   const plane& plane_;
-  v_s64 w_, u_, v_;  // of the next four spans' centres
+  v_s64 w_, u_, v_;  // of the next spans' centres
   int64_t slope_;
   int slope_drop_;
 };
-static_assert(batch % 4 == 0);
