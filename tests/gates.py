@@ -87,6 +87,7 @@ GATES = [
     ("a vector kernel's second Newton step as its first", "hal/kernels/vectors/reciprocal.hpp", "next_newton(m, first_newton(m, seed))", "first_newton(m, first_newton(m, seed))", "kernels", "reciprocals_just*", KERNELS),
     ("a vector kernel's samples not counted", "hal/kernels/vectors/pixels.hpp", "level_colour(b, k) & low_words(counted, k)", "level_colour(b, k)", "kernels", "random_planes*", KERNELS),
     ("a vector kernel's mean half up", "hal/kernels/vectors/pixels.hpp", "whole - (v((whole * n) << 15 == t) & whole & 1)", "whole", "kernels", "random_planes*", KERNELS),
+    ("a vector kernel's rows as long as they like", "hal/kernels/vectors/aniso.hpp", "map.place_limit() - reached - 1", "8192", "kernels", "rows_beyond*", KERNELS),
     ("words rounded half up", "hal/kernels/vectors/words.hpp", "- 1) * in_both + (x >> fraction & in_both)", "- 0) * in_both", "kernels", "random_planes*", KERNELS),
     ("truncated colours", F + "filter.hpp", "uint8_t(round_off(c.value, c.bits, q.colour_rounding))", "uint8_t(c.value >> c.bits)", "filter", "*within_1_lsb*", []),
     ("weights that do not sum to one", F + "filter.hpp", "return (a << weight_bits) + (b - a) * f;", "return (a << weight_bits) - a + (b - a) * f;",

@@ -102,6 +102,17 @@ SPANTEX_CASE(long_rows_on_small_maps) {
     }
 }
 
+// Spans that reach as far as one period lets them, and rows of samples further; of one level, as sides that do not halve have no more here.
+SPANTEX_CASE(rows_beyond_a_period) {
+  synthetic_map one = random_map(67, 67);
+  one.levels.resize(1);
+  const ready_map map(one, wrap::repeat);
+  const double m[9] = {17.8, 0.1, 0.3, 0.05, 0.9, 0.2, 0, 0, 1};
+  plane p{};
+  SPANTEX_ASSERT_OK(make_plane(homography_of(m), {0, 0, 640, 16}, p));
+  draw_all(p, map, filter::aniso, {0, 0, 640, 16}, 640, 16);
+}
+
 // W that is a little less than at the span's centre, so that its reciprocal is next to the end of its range, on spans steep enough to be divided: W falls
 // along x as it rises along y, but for 2^-14 to 2^-20 of it a pixel.
 SPANTEX_CASE(reciprocals_just_above_one) {
@@ -186,6 +197,7 @@ int main() {
       cmocka_unit_test(ordinary_planes_are_drawn_by_the_kernel_alone),
       cmocka_unit_test(random_planes_and_maps_of_any_size),
       cmocka_unit_test(long_rows_on_small_maps),
+      cmocka_unit_test(rows_beyond_a_period),
       cmocka_unit_test(reciprocals_just_above_one),
       cmocka_unit_test(nothing_is_written_outside_the_area),
       cmocka_unit_test(polygons_with_depth_are_the_same),

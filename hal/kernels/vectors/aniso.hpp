@@ -157,7 +157,7 @@ SPANTEX_INLINE bool draw_aniso(const row_work& work, int32_t sx, span_mask mask,
   span_axis(q, c);
   if (!find_shapes(c, (c.g | c.h) == 0, p.level, rows, several) || !pixels.all_in(p.level)) return false;
   const int32_t reached = 1 << max_of(0, q.offset_bits - 1 - c.exponent);
-  if (several && !find_rows(c, 2 * min_of(longest_row / 2, map.place_limit() - reached - 1), rows)) return false;
+  if (several && !find_rows(c, 2 * max_of(0, min_of(longest_row / 2, map.place_limit() - reached - 1)), rows)) return false;
   write_span(work, sx, mask, [&](int k) SPANTEX_INLINED {
     const int most = most_of(rows.samples + k);
     if (most == 1) return pixels.at(get(p.level + k), p.u + k, p.v + k);
