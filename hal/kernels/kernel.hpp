@@ -29,7 +29,7 @@ using row_kernel = void (*)(const row_work&);
 
 enum class choice : uint8_t { fastest, scalar, words, sse41, avx2, neon, avx512 };
 
-// One machine's kernels by filter; null: every span of it is left.
+// One machine's kernels by filter; every span of any other filter is left.
 struct row_kernels { row_kernel nearest, bilinear, mip_bilinear, trilinear, aniso; };
 void draw_by_filter(const row_kernels& kernels, const row_work& work);
 

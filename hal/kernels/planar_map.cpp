@@ -29,7 +29,7 @@ planar_map::planar_map(const texture_view& view, layout of)
   if (of != layout::blocks) {
     levels_in_rows_ = row_levels(view);
     opaque_ = levels_in_rows_.opaque();
-    if (of == layout::rows_and_planes && levels_in_rows_.masks_only()) planes_ = byte_planes(view, levels_in_rows_.count());
+    if (of == layout::rows_and_planes && levels_in_rows_.masks_only()) planes_ = byte_planes(view, levels_in_rows_.count(), opaque_ ? 3 : 4);
     return;
   }
   rows_down_ = length_of(wrap_v_, height_);

@@ -45,7 +45,7 @@ class planar_map {
   const rgba8* row(int32_t y) const { return rows_.data() + int64_t(y + texel_apron) * row_stride_ + texel_apron; }  // of level 0; x and y from -texel_apron
   const row_levels& levels_in_rows() const { return levels_in_rows_; }  // empty for layout::blocks
   const byte_planes& planes() const { return planes_; }   // empty but for layout::rows_and_planes
-  bool opaque() const { return opaque_; }                 // every texel of every level has alpha 255
+  bool opaque() const { return opaque_; }                 // every texel of every level that is held has alpha 255
   int32_t row_stride() const { return row_stride_; }
   int32_t rows_across() const { return row_stride_ - 2 * texel_apron; }
   int32_t rows_down() const { return rows_down_; }

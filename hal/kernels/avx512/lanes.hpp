@@ -61,7 +61,7 @@ SPANTEX_INLINE v8 whole_quotient8(v8 n, v8 w_bits, const inverse8& iw, __mmask8&
   const v8 shift = _mm512_sub_epi64(_mm512_add_epi64(iw.exponent, set(63)), drop);
   const v8 r = quotient8(n, drop, iw.y, shift);
   usable &= _mm512_cmple_epi64_mask(bits, _mm512_add_epi64(w_bits, set(15)));
-  usable &= _mm512_cmple_epi64_mask(_mm512_abs_epi64(r), set(32767 - 4098 - longest_row / 2));  // no position saturates
+  usable &= _mm512_cmple_epi64_mask(_mm512_abs_epi64(r), set(32767 - (2 << max_extent_log2) - 2 - longest_row / 2));  // no position saturates
   return r;
 }
 

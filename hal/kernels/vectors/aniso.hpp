@@ -48,8 +48,9 @@ static_assert(inverses_divide());
 struct alignas(64) span_rows { int32_t n_u[span_pixel_count], n_v[span_pixel_count], w[span_pixel_count], samples[span_pixel_count], u[span_pixel_count], v[span_pixel_count]; };
 
 // shape_of(): levels of detail and numbers of samples. False where a vector is zero.
-SPANTEX_INLINE bool find_shapes(const span_coefficients& c, bool flat, int32_t* level, span_rows& out, bool& several) {
+SPANTEX_INLINE bool find_shapes(const span_coefficients& c, int32_t* level, span_rows& out, bool& several) {
   const axis_terms& t = c.axis;
+  const bool flat = (c.g | c.h) == 0;
   const int32_t area = t.area_log2 * (1 << (16 - level_term_bits)), most = int32_t(c.last_level) << q.level_bits, whole = (1 - t.exponent) * (1 << 16);
   constexpr int32_t bias = q.sample_bias * (1 << 12);
   bool nonzero = true;
@@ -85,7 +86,7 @@ SPANTEX_INLINE v_64 over_square(v_64 n, v_64 reciprocal, int drop) {
   return rounded(rounded(wide_products(rounded(wide_products(n, reciprocal), q.reciprocal_bits), reciprocal), q.reciprocal_bits), drop);
 }
 
-// axis_at(), not saturated. False where a row is longer than `most` texels.
+// axis_at(), not saturated. False where a row is longer than `most` texels, or all of them together (bit by bit).
 [[gnu::noinline]] bool find_rows(const span_coefficients& c, int32_t most, span_rows& out) {
   const int drop = c.axis.exponent - 17;
   if (drop <= 0) return false;
@@ -155,9 +156,8 @@ SPANTEX_INLINE bool draw_aniso(const row_work& work, int32_t sx, span_mask mask,
   span_rows rows;
   bool several = false;
   span_axis(q, c);
-  if (!find_shapes(c, (c.g | c.h) == 0, p.level, rows, several) || !pixels.all_in(p.level)) return false;
-  const int32_t reached = 1 << max_of(0, q.offset_bits - 1 - c.exponent);
-  if (several && !find_rows(c, 2 * max_of(0, min_of(longest_row / 2, map.place_limit() - reached - 1)), rows)) return false;
+  if (!find_shapes(c, p.level, rows, several) || !pixels.all_in(p.level)) return false;
+  if (several && !find_rows(c, 2 * max_of(0, min_of(longest_row / 2, map.place_limit() - reach_of(c))), rows)) return false;
   write_span(work, sx, mask, [&](int k) SPANTEX_INLINED {
     const int most = most_of(rows.samples + k);
     if (most == 1) return pixels.at(get(p.level + k), p.u + k, p.v + k);

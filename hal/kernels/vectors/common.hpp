@@ -13,8 +13,8 @@ static_assert(q.offset_bits == 31 && q.reciprocal_bits == 30 && q.subtexel_bits 
 
 constexpr int32_t longest_row = 2048;  // texels of level 0 along a row of samples (aniso) that is drawn here
 
-// No position saturates: they lie within 2^max_extent_log2 texels, samples within half a row of them.
-constexpr int32_t largest_base(filter kind) { return 32767 - 4098 - (kind == filter::aniso ? longest_row / 2 : 0); }
+// No position saturates: offsets are below 2^max_extent_log2 texels before they are divided by w > 1/2, samples within half a row of them.
+constexpr int32_t largest_base(filter kind) { return 32767 - (2 << max_extent_log2) - 2 - (kind == filter::aniso ? longest_row / 2 : 0); }
 
 constexpr int batch = 8;  // spans that are planned before they are drawn
 
@@ -22,4 +22,11 @@ SPANTEX_INLINE int32_t modulo(int32_t base, int32_t period) {
   if (period == 0) return base;
   const int32_t k = base % period;
   return k < 0 ? k + period : k;
+}
+
+// How far texels of level 0 lie from a span's base at most: offsets are below 2^extent_log2 before the division, and 1 / (1 - x) <= 1 + 2 x for
+// x = 2^slope_log2, 1/2 or less.
+SPANTEX_INLINE int32_t reach_of(const span_coefficients& c) {
+  const int32_t extent = 1 << max_of(0, q.offset_bits - 1 - c.exponent);
+  return extent + (extent >> (-1 - c.slope_log2)) + 1;
 }

@@ -8,7 +8,7 @@ SPANTEX_INLINE bool draw_span(const row_work& work, int32_t sx, span_mask mask, 
   find_positions<uses_levels(Kind) && Kind != filter::aniso>(c, p);
   if constexpr (Kind == filter::nearest) draw_nearest<MasksOnly>(work, sx, mask, p);
 #if SPANTEX_TABLES
-  else if constexpr (MasksOnly && Kind != filter::aniso) return draw_by_tables<Kind>(work, sx, mask, p, c);
+  else if constexpr (MasksOnly && Kind != filter::aniso) draw_by_tables<Kind>(work, sx, mask, p, c);
 #endif
   else if constexpr (Kind == filter::bilinear) draw_bilinear<MasksOnly>(work, sx, mask, p);
   else if constexpr (Kind == filter::aniso) return draw_aniso<MasksOnly>(work, sx, mask, p, c);
@@ -24,7 +24,7 @@ SPANTEX_INLINE bool fitted(const row_work& work, span_coefficients& c) {
   if (MasksOnly) return true;
   c.base_u = modulo(c.base_u, levels.modulo_u());
   c.base_v = modulo(c.base_v, levels.modulo_v());
-  return (1 << max_of(0, q.offset_bits - 1 - c.exponent)) <= levels.place_limit();
+  return reach_of(c) <= levels.place_limit();
 }
 
 // Plans are long chains of dependent operations: several are made one after another, so that they overlap.

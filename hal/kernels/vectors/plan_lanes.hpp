@@ -41,7 +41,7 @@ class planner {
     u_ = p.u_at(hx, hy) + step * p.u.x;
     v_ = p.v_at(hx, hy) + step * p.v.x;
     const uint64_t slope = uint64_t(reach) * (magnitude(p.w.x) + magnitude(p.w.y));
-    slope_ = int64_t(min_of(bit_length(slope), 63) == 63 ? INT64_MAX : slope);
+    slope_ = int64_t(slope);
     slope_drop_ = max_of(0, bit_length(slope) - 31);
   }
 

@@ -174,11 +174,10 @@ SPANTEX_INLINE bool one_level(const int32_t* level, int& whole, int16x8_t (&frac
 }
 
 template <filter Kind, int Channels>
-SPANTEX_INLINE bool quads_by_tables(const row_work& work, int32_t sx, span_mask mask, const span_positions& p, const span_coefficients& c) {
+SPANTEX_INLINE void quads_by_tables(const row_work& work, int32_t sx, span_mask mask, const span_positions& p, const span_coefficients& c) {
   constexpr bool by_level = uses_levels(Kind), two = uses_two_levels(Kind);
   const planar_map& map = *work.texels;
   pixels_on_levels<true, two> others(work);
-  if (by_level && !others.all_in(p.level)) return false;
   const int extent_log2 = q.offset_bits - 1 - c.exponent;
   const on_level<int32_t> first = level_at_once(map.levels_in_rows(), 0);
   table_level fine = table_of(map, c, 0), coarse = fine;
@@ -221,7 +220,6 @@ SPANTEX_INLINE bool quads_by_tables(const row_work& work, int32_t sx, span_mask 
       write(to, uint32_t(of_quad >> (span_side * r)), pixels);
     }
   }
-  return true;
 }
 
 // Whether level 0 is so minified at the span's centre that quads fit a table only where a strip begins well for them.
@@ -231,9 +229,11 @@ SPANTEX_INLINE bool too_wide(const span_coefficients& c) {
   return (u > w ? u : w) >> c.exponent >= byte_planes::strip_pitch;
 }
 
+// Of maps whose axes wrap at powers of two: all of their levels halve exactly.
 template <filter Kind>
-SPANTEX_INLINE bool draw_by_tables(const row_work& work, int32_t sx, span_mask mask, const span_positions& p, const span_coefficients& c) {
+SPANTEX_INLINE void draw_by_tables(const row_work& work, int32_t sx, span_mask mask, const span_positions& p, const span_coefficients& c) {
   if constexpr (Kind == filter::bilinear)
-    if (too_wide(c)) return draw_bilinear<true>(work, sx, mask, p), true;
-  return work.texels->opaque() ? quads_by_tables<Kind, 3>(work, sx, mask, p, c) : quads_by_tables<Kind, 4>(work, sx, mask, p, c);
+    if (too_wide(c)) return draw_bilinear<true>(work, sx, mask, p);
+  if (work.texels->opaque()) quads_by_tables<Kind, 3>(work, sx, mask, p, c);
+  else quads_by_tables<Kind, 4>(work, sx, mask, p, c);
 }
