@@ -63,11 +63,11 @@ void compare(kernels::choice which, const plane& p, const texture_view& view, fi
   draw_counters counts;
   const kernels::planar_map texels(view, kernels::layout_of(which));
   if (kernels::draw_plane(kernels::kernel_of(which), texels, rest, p, view, kind, area, other, counts) != status::ok || rest.finish() != status::ok) std::abort();
-  const uint64_t spans = (width / span_side) * (height / span_side);  // every one is met
+  const uint64_t spans = (width / span_side) * (height / span_side);  // either area meets all of them
   ++sum.pictures;
   sum.different += !(expected == found);
   sum.spans += spans;
-  sum.left += spans - counts.spans_total;
+  sum.left += spans - counts.jobs;
 }
 
 }  // namespace
