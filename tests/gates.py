@@ -89,7 +89,7 @@ GATES = [
     ("a vector kernel's mean half up", "hal/kernels/vectors/pixels.hpp", "whole - (v((whole * n) << 15 == t) & whole & 1)", "whole", "kernels", "random_planes*", KERNELS),
     ("a vector kernel's rows as long as they like", "hal/kernels/vectors/aniso.hpp", "map.place_limit() - reach_of(c)", "8192", "kernels", "rows_beyond*", KERNELS),
     ("a vector kernel's texels before the division", "hal/kernels/vectors/common.hpp", "extent + (extent >> (-1 - c.slope_log2)) + 1", "extent", "kernels", "texels_after*", KERNELS),
-    ("a vector kernel's positions next to the range's end", "hal/kernels/vectors/common.hpp", "- (2 << max_extent_log2) - 2", "- (1 << max_extent_log2) - 2", "kernels", "positions_next*", KERNELS),
+    ("a vector kernel's positions next to the range's end", "hal/kernels/kernel.hpp", "- (2 << max_extent_log2) - 2", "- (1 << max_extent_log2) - 2", "kernels", "positions_next*", KERNELS),
     ("words rounded half up", "hal/kernels/vectors/words.hpp", "- 1) * in_both + (x >> fraction & in_both)", "- 0) * in_both", "kernels", "random_planes*", KERNELS),
     ("truncated colours", F + "filter.hpp", "uint8_t(round_off(c.value, c.bits, q.colour_rounding))", "uint8_t(c.value >> c.bits)", "filter", "*within_1_lsb*", []),
     ("weights that do not sum to one", F + "filter.hpp", "return (a << weight_bits) + (b - a) * f;", "return (a << weight_bits) - a + (b - a) * f;",

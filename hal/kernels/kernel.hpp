@@ -29,6 +29,11 @@ using row_kernel = void (*)(const row_work&);
 
 enum class choice : uint8_t { fastest, scalar, words, sse41, avx2, neon, avx512 };
 
+inline constexpr int32_t longest_row = 2048;  // texels of level 0 along a row of samples (aniso) that kernels draw
+
+// No position saturates: offsets are below 2^max_extent_log2 texels before they are divided by w > 1/2, samples within half a row of them.
+constexpr int32_t largest_base(filter kind) { return 32767 - (2 << max_extent_log2) - 2 - (kind == filter::aniso ? longest_row / 2 : 0); }
+
 // One machine's kernels by filter; every span of any other filter is left.
 struct row_kernels { row_kernel nearest, bilinear, mip_bilinear, trilinear, aniso; };
 void draw_by_filter(const row_kernels& kernels, const row_work& work);

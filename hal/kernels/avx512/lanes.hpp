@@ -21,8 +21,6 @@ SPANTEX_INLINE v8 set(int64_t x) { return _mm512_set1_epi64(x); }
 SPANTEX_INLINE v16 set32(int32_t x) { return _mm512_set1_epi32(x); }
 SPANTEX_INLINE v16 upper() { return set32(int32_t(0xFFFF0000)); }
 
-constexpr int longest_row = 2048;  // texels of level 0 along a row of samples that is drawn here
-
 struct inverse8 { v8 y, exponent; };
 
 SPANTEX_INLINE v8 newton(v8 m, v8 y) {
@@ -61,7 +59,7 @@ SPANTEX_INLINE v8 whole_quotient8(v8 n, v8 w_bits, const inverse8& iw, __mmask8&
   const v8 shift = _mm512_sub_epi64(_mm512_add_epi64(iw.exponent, set(63)), drop);
   const v8 r = quotient8(n, drop, iw.y, shift);
   usable &= _mm512_cmple_epi64_mask(bits, _mm512_add_epi64(w_bits, set(15)));
-  usable &= _mm512_cmple_epi64_mask(_mm512_abs_epi64(r), set(32767 - (2 << max_extent_log2) - 2 - longest_row / 2));  // no position saturates
+  usable &= _mm512_cmple_epi64_mask(_mm512_abs_epi64(r), set(largest_base(filter::aniso)));
   return r;
 }
 

@@ -11,11 +11,6 @@ static_assert(q.offset_bits == 31 && q.reciprocal_bits == 30 && q.subtexel_bits 
               q.level_bias == 0 && q.mip_bias == -8 && q.formula == level_formula::jacobian && q.scope == level_scope::pixel && q.overflow == overflow_policy::split &&
               q.position_rounding == rounding::nearest && q.exact_set_up && q.colour_rounding == rounding::even, "the kernels are written for these");
 
-constexpr int32_t longest_row = 2048;  // texels of level 0 along a row of samples (aniso) that is drawn here
-
-// No position saturates: offsets are below 2^max_extent_log2 texels before they are divided by w > 1/2, samples within half a row of them.
-constexpr int32_t largest_base(filter kind) { return 32767 - (2 << max_extent_log2) - 2 - (kind == filter::aniso ? longest_row / 2 : 0); }
-
 constexpr int batch = 8;  // spans that are planned before they are drawn
 
 SPANTEX_INLINE int32_t modulo(int32_t base, int32_t period) {

@@ -21,8 +21,6 @@ SPANTEX_INLINE v_s64 times_bases(v_s64 x, v_s64 base) {
   return negated_where(v_s64(wide_products(v_64(x), size) + (wide_products(v_64(x) >> 32, size) << 32)), base < 0);
 }
 
-struct inverses { v_64 y; v_s64 exponent; };
-
 // quotient(), the shift given: 63 + exponent - drop - scale.
 SPANTEX_INLINE v_s64 quotients(v_s64 n, v_s64 drop, v_64 y, v_s64 shift) {
   return negated_where(v_s64(rounded_shift(wide_products(v_64(size_of(n)) >> v_64(drop), y), v_64(shift))), n < 0);
@@ -60,9 +58,10 @@ class planner {
     v_s64 in = (w > 0) & (all(slope_) < (w >> 1) - (w >> 8));
     const v_s64 w_bits = bit_lengths(w);
     const v_64 mantissas = v_64(w) << v_64(64 - w_bits) >> 32;
-    const inverses iw{reciprocal_wide(mantissas, seeds_at(mantissas >> (31 - reciprocal_seed_bits) & ((1 << reciprocal_seed_bits) - 1))), w_bits - 32};
+    const v_64 y = reciprocal_wide(mantissas, seeds_at(mantissas >> (31 - reciprocal_seed_bits) & ((1 << reciprocal_seed_bits) - 1)));
+    const v_s64 y_exponent = w_bits - 32;
     const auto whole_quotients = [&](v_s64 n) SPANTEX_INLINED {
-      const v_s64 bits = bit_lengths(size_of(n)), drop = largest(bits - 31, all(0)), r = quotients(n, drop, iw.y, iw.exponent + 63 - drop);
+      const v_s64 bits = bit_lengths(size_of(n)), drop = largest(bits - 31, all(0)), r = quotients(n, drop, y, y_exponent + 63 - drop);
       in &= (bits <= w_bits + 15) & (size_of(r) <= largest_base(Kind));
       return r;
     };
@@ -73,9 +72,9 @@ class planner {
     const auto extent_of = [](v_s64 x, v_s64 right, v_s64 down) SPANTEX_INLINED { return size_of(x) + times_reach(size_of(right) + size_of(down)); };
     const v_s64 extent_bits = bit_lengths(largest(extent_of(c_u, a_u, b_u), extent_of(c_v, a_v, b_v))), extent_log2 = extent_bits - w_bits + 1;
     in &= extent_log2 <= max_extent_log2;
-    const v_s64 exponent = least(q.offset_bits - 1 - extent_log2, all(max_exponent)), drop = largest(extent_bits - 31, all(0)), shift = iw.exponent + 63 - drop - exponent;
-    const v_s64 slope_shift = iw.exponent + (63 - slope_drop_ - q.reciprocal_bits), g = quotients(all(p.w.x), all(slope_drop_), iw.y, slope_shift),
-                h = quotients(all(p.w.y), all(slope_drop_), iw.y, slope_shift);
+    const v_s64 exponent = least(q.offset_bits - 1 - extent_log2, all(max_exponent)), drop = largest(extent_bits - 31, all(0)), shift = y_exponent + 63 - drop - exponent;
+    const v_s64 slope_shift = y_exponent + (63 - slope_drop_ - q.reciprocal_bits), g = quotients(all(p.w.x), all(slope_drop_), y, slope_shift),
+                h = quotients(all(p.w.y), all(slope_drop_), y, slope_shift);
     // choose_evaluation()
     const v_s64 steepness = times_reach(size_of(g) + size_of(h)), slope_log2 = largest(bit_lengths(steepness) - q.reciprocal_bits, all(least_slope_log2));
     const v_s64 steep = slope_log2 > most_series_slope_log2, affine_log2 = extent_log2 + slope_log2 + 1, resolution = (q.offset_bits - 1) - exponent + slope_log2;
@@ -87,7 +86,7 @@ class planner {
       const v_s64 reached = v_s64((v_64{} + 2) << v_64(largest(q.offset_bits - 1 - exponent, all(0)))), farthest = largest(size_of(base_u), size_of(base_v)) + reached + 2;
       in &= bit_lengths(farthest) + (p.rounding_bits + set_up_tolerance_bits) < w_bits;
     }
-    const auto mantissa = [&](v_s64 n) SPANTEX_INLINED { return quotients(n, drop, iw.y, shift); };
+    const auto mantissa = [&](v_s64 n) SPANTEX_INLINED { return quotients(n, drop, y, shift); };
     const v_s64 fields[] = {base_u, base_v, mantissa(c_u), mantissa(a_u), mantissa(b_u), mantissa(c_v), mantissa(a_v), mantissa(b_v), g, h, exponent, slope_log2, terms, in};
     alignas(sizeof(v)) int64_t of[sizeof fields / sizeof fields[0]][wide_lanes];
     __builtin_memcpy(of, fields, sizeof fields);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Vector kernels: the numbers of the series (coordinates.hpp: series_number) as lanes of 32 bits, for machines whose product of such lanes costs no more
-// than one of 16-bit halves. ../x86 keeps them in the upper halves instead. Included by the machines' files alone.
+// than one of 16-bit halves. x86.hpp keeps them in the upper halves instead. Included by the machines' files alone.
 #pragma once
 
 SPANTEX_INLINE v slope_lanes(v e, int slope_log2) { return (e << -slope_log2) >> 16; }

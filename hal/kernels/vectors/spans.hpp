@@ -125,6 +125,10 @@ SPANTEX_INLINE void draw_bilinear(const row_work& work, int32_t sx, span_mask ma
   write_span(work, sx, mask, [&](int k) SPANTEX_INLINED { return pixels_of(blended_at<MasksOnly>(map, l, get(p.u + k), get(p.v + k))); });
 }
 
+// integer_level() of a level of detail, lanes or one: ceil(d + 1/2) - 1 is floor(d + 127/256).
+template <bool TwoLevels>
+SPANTEX_INLINE auto whole_level(auto level) { return (TwoLevels ? level : level + 127) >> q.level_bits; }
+
 // `width` pixels at a time on their levels of detail.
 template <bool MasksOnly, bool TwoLevels>
 class pixels_on_levels {
@@ -135,12 +139,12 @@ class pixels_on_levels {
   SPANTEX_INLINE bool all_in(const int32_t* level) const {
     if (map_.count() > last_) return true;
     bool in = true;
-    for (int k = 0; k < span_pixel_count; ++k) in &= (TwoLevels ? min_of((level[k] >> q.level_bits) + 1, last_) : max_of(((level[k] + 128 + 255) >> q.level_bits) - 1, 0)) < map_.count();
+    for (int k = 0; k < span_pixel_count; ++k) in &= min_of(whole_level<TwoLevels>(level[k]) + (TwoLevels ? 1 : 0), last_) < map_.count();
     return in;
   }
 
   SPANTEX_INLINE v at(v level, const int32_t* u, const int32_t* w) {
-    const v whole = TwoLevels ? level >> q.level_bits : largest(((level + 128 + 255) >> q.level_bits) - 1, set(0)), fraction = level & 255;
+    const v whole = whole_level<TwoLevels>(level), fraction = level & 255;
     const int32_t first = whole[0];
     if (!all_equal(whole, first)) [[unlikely]] {
       alignas(sizeof(v)) int32_t fine[width], coarse[width], of[width];

@@ -163,7 +163,7 @@ template <bool TwoLevels>
 SPANTEX_INLINE bool one_level(const int32_t* level, int& whole, int16x8_t (&fraction)[2]) {
   const auto row = [&](int r) SPANTEX_INLINED {
     const v x = get(level + span_side * r);
-    return int32x4_t(TwoLevels ? x : largest((x + (128 + 255)) - 256, set(0)));
+    return int32x4_t(TwoLevels ? x : x + 127);  // as whole_level()
   };
   const int16x8_t a = vuzp1q_s16(int16x8_t(row(0)), int16x8_t(row(1))), b = vuzp1q_s16(int16x8_t(row(2)), int16x8_t(row(3)));
   whole = vgetq_lane_u16(uint16x8_t(a), 0) >> q.level_bits;
