@@ -15,7 +15,7 @@ namespace spantex::sim {
 namespace {
 
 struct band { int32_t y0, y1; };  // pixel rows; whole span rows
-constexpr int bands_a_thread = 8;
+constexpr int bands_a_thread = 16;
 
 // A simulated machine a thread; the direct engine takes shorter bands, since rows near a horizon cost more than others.
 std::vector<band> make_bands(int height, const draw_options& o) {
