@@ -15,7 +15,6 @@ constexpr int width = 4;
 #include "vectors/common.hpp"
 #include "vectors/lanes.hpp"
 #include "vectors/words.hpp"
-#include "vectors/slopes.hpp"
 #include "vectors/log2.hpp"
 #include "vectors/reciprocal.hpp"
 #include "vectors/levels.hpp"

@@ -138,7 +138,7 @@ template <bool MasksOnly>
   alignas(sizeof(v)) int32_t fine[width], coarse[width];
   put(fine, get(p.level + k) >> q.level_bits);
   put(coarse, least(get(fine) + 1, set(last)));
-  return means_of_rows<MasksOnly>(map, level_by_lane(map, fine), level_by_lane(map, coarse), get(p.level + k) & 255, p, rows, k, most);
+  return means_of_rows<MasksOnly>(map, level_by_lane(map, fine, p), level_by_lane(map, coarse, p), get(p.level + k) & 255, p, rows, k, most);
 }
 
 SPANTEX_INLINE int most_of(const int32_t* samples) {
@@ -152,15 +152,15 @@ SPANTEX_INLINE int most_of(const int32_t* samples) {
 template <bool MasksOnly>
 SPANTEX_INLINE bool draw_aniso(const row_work& work, int32_t sx, span_mask mask, span_positions& p, span_coefficients& c) {
   const row_levels& map = work.texels->levels_in_rows();
-  pixels_on_levels<MasksOnly, true> pixels(work);
+  pixels_on_levels<MasksOnly, true> pixels(work, p);
   span_rows rows;
   bool several = false;
   span_axis(q, c);
-  if (!find_shapes(c, p.level, rows, several) || !pixels.all_in(p.level)) return false;
+  if (!find_shapes(c, p.level, rows, several) || !pixels.all_in()) return false;
   if (several && !find_rows(c, 2 * max_of(0, min_of(longest_row / 2, map.place_limit() - reach_of(c))), rows)) return false;
   write_span(work, sx, mask, [&](int k) SPANTEX_INLINED {
     const int most = most_of(rows.samples + k);
-    if (most == 1) return pixels.at(get(p.level + k), p.u + k, p.v + k);
+    if (most == 1) return pixels.at(k);
     const v level = get(p.level + k), whole = level >> q.level_bits;
     if (!all_equal(whole, whole[0])) [[unlikely]] return means_by_lane<MasksOnly>(map, work.last_level, p, rows, k, most);
     pixels.hold(whole[0]);

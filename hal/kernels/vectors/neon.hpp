@@ -8,6 +8,17 @@ SPANTEX_INLINE v products(v a, v b) {  // of both halves of a lane, added up
 }
 SPANTEX_INLINE v halves(v low, v high) { return v(vbslq_s32(vdupq_n_u32(0xFFFF), int32x4_t(low), int32x4_t(high))); }
 SPANTEX_INLINE v rounded_shift(v x, int shift) { return v(vrshlq_s32(int32x4_t(x), vdupq_n_s32(-shift))); }  // to nearest, halves up
+
+// The numbers of the series (coordinates.hpp: series_number), shifted up by 17 + slope_log2: the upper half of a doubled product is then that of words.hpp.
+SPANTEX_INLINE v number(v x, int slope_log2) { return x & -(1 << (17 + slope_log2)); }
+SPANTEX_INLINE v upper_products(v a, v b) { return v(vqdmulhq_s32(int32x4_t(a), int32x4_t(b))); }  // (2 a b) >> 32
+SPANTEX_INLINE v slope_lanes(v e, int slope_log2) { return number(e + e, slope_log2); }
+SPANTEX_INLINE v slope_product(v a, v b, int slope_log2) { return number(upper_products(a, b), slope_log2); }
+SPANTEX_INLINE v half_slope_square(v a, int slope_log2) { return number(upper_products(a, a >> 1), slope_log2); }
+SPANTEX_INLINE v product_with_slope(v x, v slope, int) { return upper_products(x & int32_t(0xFFFF0000), slope); }
+SPANTEX_INLINE v level_of_slope(v slope, int) { return upper_products(slope, set(int32_t(level_factor.raw()) << 3)); }
+SPANTEX_INLINE v small_products(v a, v b) { return a * b; }  // of numbers from 0 to 2^15 - 1
+
 SPANTEX_INLINE bool all_equal(v a, int32_t b) { return vminvq_u32(uint32x4_t(a == b)) != 0; }
 
 // 64-bit lanes; a product's shift is 1 or more and rounds halves up.

@@ -2,14 +2,14 @@
 // Vector kernels: texture positions and levels of detail of a span's 64 pixels. Included by the machines' files alone.
 #pragma once
 
-// Of 64 pixels, row by row: positions in texels of level 0, s15.14; levels of detail in 2^-8.
-struct alignas(64) span_positions { int32_t u[span_pixel_count], v[span_pixel_count], level[span_pixel_count]; };
+// Of 64 pixels, row by row: positions from the span's base in texels of level 0, s15.14, and the base, likewise; levels of detail in 2^-8.
+struct alignas(64) span_positions { int32_t u[span_pixel_count], v[span_pixel_count], level[span_pixel_count], base_u, base_v; };
 
 // q of the series from the slope, lanes as slope_lanes() makes them.
 template <int Terms>
 SPANTEX_INLINE v series_of(v e, int slope_log2) {
   v r = e;
-  for (int k = 1; k < Terms; ++k) r = e - slope_product(e, r, -2 - slope_log2);
+  for (int k = 1; k < Terms; ++k) r = e - slope_product(e, r, slope_log2);
   return r;
 }
 
@@ -19,7 +19,7 @@ SPANTEX_INLINE v detail_of(v level, int32_t most) {
 }
 
 // 2 log2 w where |w - 1| < 2^-4.
-SPANTEX_INLINE v twice_log2_of_slope(v e, int slope_log2) { return slope_times(e - slope_product(e, e, -1 - slope_log2), int32_t(level_factor.raw()), 11 - slope_log2); }
+SPANTEX_INLINE v twice_log2_of_slope(v e, int slope_log2) { return level_of_slope(e - half_slope_square(e, slope_log2), slope_log2); }
 
 // c + a hx + b hy, row by row.
 struct form {
@@ -31,7 +31,7 @@ struct form {
 template <int Terms, bool Levels>
 SPANTEX_INLINE void find_positions(const span_coefficients& c, span_positions& out) {
   const int s = c.slope_log2, cut = c.exponent - q.coordinate_bits;
-  const int32_t most = int32_t(c.last_level) << q.level_bits, base_u = c.base_u * (1 << q.coordinate_bits), base_v = c.base_v * (1 << q.coordinate_bits);
+  const int32_t most = int32_t(c.last_level) << q.level_bits;
   for (int part = 0; part < parts; ++part) {
     form nu(c.c_u, c.a_u, c.b_u, part), nv(c.c_v, c.a_v, c.b_v, part), ne(0, c.g, c.h, part);
     const v column = Levels ? levels16(c.level_column + width * part) : set(0);
@@ -41,12 +41,12 @@ SPANTEX_INLINE void find_positions(const span_coefficients& c, span_positions& o
       const v e = slope_lanes(ne.at, s);
       if constexpr (Terms > 0) {
         const v r = series_of<Terms>(e, s);
-        u -= product_with_slope(u, r, -2 - s);
-        w -= product_with_slope(w, r, -2 - s);
+        u -= product_with_slope(u, r, s);
+        w -= product_with_slope(w, r, s);
       }
       const int at = span_side * y + width * part;
-      put(out.u + at, rounded_shift(u, cut) + base_u);
-      put(out.v + at, rounded_shift(w, cut) + base_v);
+      put(out.u + at, rounded_shift(u, cut));
+      put(out.v + at, rounded_shift(w, cut));
       if constexpr (Levels) put(out.level + at, detail_of(largest(column, set(int32_t(c.level_row[y]) * 64)) - twice_log2_of_slope(e, s), most));
       nu.next();
       nv.next();
@@ -80,14 +80,13 @@ static_assert(q.offset_bits - 1 - max_extent_log2 - q.coordinate_bits + q.recipr
 
 [[gnu::noinline]] void divide_positions(const span_coefficients& c, span_positions& out) {
   const int shift = c.exponent - q.coordinate_bits + q.reciprocal_bits;
-  const int32_t base_u = c.base_u * (1 << q.coordinate_bits), base_v = c.base_v * (1 << q.coordinate_bits);
   for (int part = 0; part < parts; ++part) {
     form nu(c.c_u, c.a_u, c.b_u, part), nv(c.c_v, c.a_v, c.b_v, part), nw(1 << q.reciprocal_bits, c.g, c.h, part);
     for (int y = 0; y < span_side; ++y) {
       const wide_reciprocals r = reciprocals_of(nw.at);
       const int at = span_side * y + width * part;
-      put(out.u + at, divided(nu.at, r, shift) + base_u);
-      put(out.v + at, divided(nv.at, r, shift) + base_v);
+      put(out.u + at, divided(nu.at, r, shift));
+      put(out.v + at, divided(nv.at, r, shift));
       nu.next();
       nv.next();
       nw.next();
@@ -108,6 +107,8 @@ static_assert(q.offset_bits - 1 - max_extent_log2 - q.coordinate_bits + q.recipr
 
 template <bool Levels>
 SPANTEX_INLINE void find_positions(const span_coefficients& c, span_positions& out) {
+  out.base_u = c.base_u * (1 << q.coordinate_bits);
+  out.base_v = c.base_v * (1 << q.coordinate_bits);
   switch (c.how == evaluation::affine ? 0 : c.how == evaluation::series ? c.terms : -1) {
     case 0: find_positions<0, Levels>(c, out); break;
     case 1: find_positions<1, Levels>(c, out); break;

@@ -4,29 +4,46 @@
 // time, 16 bits each (pixels.hpp). Quads whose section is larger, or that lie on more than one level, take spans.hpp's way. Included by ../neon.cpp alone.
 #pragma once
 
-constexpr int most_table_level = 16 - cut_of(0);  // positions are shifted up, then down by 16
+constexpr int most_table_level = 17 - cut_of(0);  // positions are shifted up, then down by 16
+constexpr int most_table_extent = 6;                  // log2 of texels from a base: a position's whole part fits a byte
 constexpr int quad_side = 4, quad_pixels = quad_side * quad_side;
 
-// A level as a span's quads meet it. Positions on it are relative to a texel near the span's base, 7 bits of fraction.
+// A level as a span's quads meet it. Positions on it are 8.8, their last bit without weight, from a texel near the span's base.
 struct table_level {
-  int32x4_t add_u, add_v, up;  // position: bits 16 to 31 of (s15.14 << up) + add
   const uint8_t* values;
   byte_planes::level plane;
   int32_t from_u, from_v;  // the texel
 };
 
-SPANTEX_INLINE table_level table_of(const planar_map& map, const span_coefficients& c, int level) {
-  table_level t;
-  t.plane = map.planes().at(level);
-  t.values = map.planes().values() + t.plane.first;
-  t.from_u = c.base_u >> level;
-  t.from_v = c.base_v >> level;
-  const int up = max_of(0, 16 - cut_of(level));
-  const auto add = [&](int32_t from) SPANTEX_INLINED { return vdupq_n_s32(int32_t(uint32_t(add_of(level) - from * (1 << (q.coordinate_bits + level))) << up)); };
-  t.add_u = add(t.from_u);
-  t.add_v = add(t.from_v);
-  t.up = vdupq_n_s32(up);
-  return t;
+SPANTEX_INLINE table_level table_of(const planar_map& map, int32_t from_u, int32_t from_v, int level) {
+  const byte_planes::level plane = map.planes().at(level);
+  return {map.planes().values() + plane.first, plane, from_u, from_v};
+}
+
+// From what span_positions has: bits 16 to 31 of (position << up) + add.
+struct table_positions { int32x4_t add_u, add_v, up; };
+
+SPANTEX_INLINE table_positions positions_on(const span_positions& p, const table_level& l, int level) {
+  const int up = 17 - cut_of(level);
+  const auto add = [&](int32_t base, int32_t from) SPANTEX_INLINED { return vdupq_n_s32(int32_t(uint32_t(add_of(level) + base - from * (1 << (q.coordinate_bits + level))) << up)); };
+  return {add(p.base_u, l.from_u), add(p.base_v, l.from_v), vdupq_n_s32(up)};
+}
+
+// Four rows of four pixels, two rows a register.
+struct quad_positions { int16x8_t u[2], v[2]; };
+
+SPANTEX_INLINE quad_positions positions_of(const table_positions& on, const span_positions& p, int k) {
+  const auto rows = [&](const int32_t* position, int32x4_t add) SPANTEX_INLINED {
+    const auto row = [&](int r) SPANTEX_INLINED { return vshlq_s32(vld1q_s32(position + k + span_side * r), on.up); };
+    return vaddhn_high_s32(vaddhn_s32(row(0), add), row(1), add);
+  };
+  return {{rows(p.u, on.add_u), rows(p.u + 2 * span_side, on.add_u)}, {rows(p.v, on.add_v), rows(p.v + 2 * span_side, on.add_v)}};
+}
+
+// The same on the next level, from half the texel: half of it, to nearest, less a quarter of a texel.
+SPANTEX_INLINE quad_positions on_next_level(const quad_positions& at) {
+  const auto half = [](int16x8_t x) SPANTEX_INLINED { return vhaddq_s16(x, vdupq_n_s16(1 - 128)); };
+  return {{half(at.u[0]), half(at.u[1])}, {half(at.v[0]), half(at.v[1])}};
 }
 
 // Where sixteen pixels lie: in the table their texels, lower right one of 2x2 given by the next index; weights of 128; 2^8 the lower ones.
@@ -38,44 +55,61 @@ struct table_samples {
 };
 
 // False where the section is too large.
-SPANTEX_INLINE bool samples_of(const table_level& l, const span_positions& p, int k, table_samples& s) {
-  const auto rows = [&](const int32_t* position, int32x4_t add) SPANTEX_INLINED {
-    const auto row = [&](int r) SPANTEX_INLINED { return vshlq_s32(vld1q_s32(position + k + span_side * r), l.up); };
-    return vaddhn_high_s32(vaddhn_s32(row(0), add), row(1), add);
-  };
-  const int16x8_t u0 = rows(p.u, l.add_u), u1 = rows(p.u + 2 * span_side, l.add_u), v0 = rows(p.v, l.add_v), v1 = rows(p.v + 2 * span_side, l.add_v);
-  const int left = vminvq_s16(vminq_s16(u0, u1)) >> q.subtexel_bits, right = vmaxvq_s16(vmaxq_s16(u0, u1)) >> q.subtexel_bits;
-  const int top = vminvq_s16(vminq_s16(v0, v1)) >> q.subtexel_bits, bottom = vmaxvq_s16(vmaxq_s16(v0, v1)) >> q.subtexel_bits;
+SPANTEX_INLINE bool samples_of(const table_level& l, const quad_positions& at, table_samples& s) {
+  const auto texels = [](const int16x8_t (&x)[2]) SPANTEX_INLINED { return vuzp2q_s8(int8x16_t(x[0]), int8x16_t(x[1])); };
+  const auto weights = [](const int16x8_t (&x)[2]) SPANTEX_INLINED { return vshrq_n_u8(vuzp1q_u8(uint8x16_t(x[0]), uint8x16_t(x[1])), 1); };
+  const int8x16_t u = texels(at.u), w = texels(at.v);
+  const int left = vminvq_s8(u), top = vminvq_s8(w);
   const uint32_t column = uint32_t(l.from_u + left) & uint32_t(l.plane.mask_u), row_at = uint32_t(l.from_v + top) & uint32_t(l.plane.mask_v);
   const int begins = left - int(column % byte_planes::strip_pitch);
-  if (right - begins > byte_planes::table_side - 2 || bottom - top > byte_planes::table_side - 2) return false;
-  s.rows = bottom - top + 2;
+  s.rows = vmaxvq_s8(w) - top + 2;
+  if (vmaxvq_s8(u) - begins > byte_planes::table_side - 2 || s.rows > byte_planes::table_side) return false;
   s.first = l.values + (column / byte_planes::strip_pitch * uint32_t(l.plane.strip) + row_at * byte_planes::table_side);
-  const auto texels = [](int16x8_t a, int16x8_t b) SPANTEX_INLINED { return vshrn_high_n_u16(vshrn_n_u16(uint16x8_t(a), q.subtexel_bits), uint16x8_t(b), q.subtexel_bits); };
-  const auto weights = [](int16x8_t a, int16x8_t b) SPANTEX_INLINED { return vandq_u8(vuzp1q_u8(uint8x16_t(a), uint8x16_t(b)), vdupq_n_u8(0x7F)); };
-  s.index = vsubq_u8(vmlaq_u8(texels(u0, u1), texels(v0, v1), vdupq_n_u8(16)), vdupq_n_u8(uint8_t(16 * top + begins)));
-  s.across = weights(u0, u1);
+  s.index = vmlaq_u8(vsubq_u8(uint8x16_t(u), vdupq_n_u8(uint8_t(16 * top + begins))), uint8x16_t(w), vdupq_n_u8(16));
+  s.across = weights(at.u);
   s.from_left = vsubq_u8(vdupq_n_u8(128), s.across);
-  const uint8x16_t of_v = weights(v0, v1), zero = vdupq_n_u8(0);
+  const uint8x16_t of_v = weights(at.v), zero = vdupq_n_u8(0);
   s.down[0] = int16x8_t(vzip1q_u8(zero, of_v));
   s.down[1] = int16x8_t(vzip2q_u8(zero, of_v));
   return true;
 }
 
-// Colours on one level, 8.7, a channel of sixteen pixels each; and what rounding left out of them, as in pixels.hpp.
-template <int Channels>
-struct table_colours { int16x8_t colour[Channels][2], rest[Channels][2]; };
+// Sixteen values of a channel, 8.7, and what decides a half: above 0, up.
+struct table_colour { int16x8_t value[2], rest[2]; };
+
+// Between x and y by a weight of 2^15: pixels.hpp says how and why.
+template <bool Rest>
+SPANTEX_INLINE table_colour between(const int16x8_t (&x)[2], const int16x8_t (&y)[2], const int16x8_t (&weight)[2]) {
+  table_colour c;
+#pragma GCC unroll 2
+  for (int n = 0; n < 2; ++n) {
+    const int16x8_t change = vsubq_s16(y[n], x[n]);
+    c.value[n] = vaddq_s16(x[n], vqrdmulhq_s16(change, weight[n]));
+    c.rest[n] = vandq_s16(c.value[n], vdupq_n_s16(0x80));
+    if (Rest) c.rest[n] = vmlaq_s16(c.rest[n], change, vaddq_s16(weight[n], weight[n]));
+  }
+  return c;
+}
+
+// even() of pixels.hpp: what is not rounded up is one less, then halves go up. (0 less one is 2^16 - 1, whose rounding is 0 again in eight bits.)
+SPANTEX_INLINE uint8x16_t even_bytes(const table_colour& c) {
+  const auto one = [&](int n) SPANTEX_INLINED { return vaddq_u16(uint16x8_t(c.value[n]), vclezq_s16(c.rest[n])); };
+  return vrshrn_high_n_u16(vrshrn_n_u16(one(0), q.blend_bits), one(1), q.blend_bits);
+}
+
+// g++ does not begin what follows `from` before the colour is there: of several channels side by side there are too many numbers for the registers.
+SPANTEX_INLINE void follows(const uint8_t*& from, const table_colour& c) { asm("" : "+r"(from) : "w"(c.value[0]), "w"(c.value[1]), "w"(c.rest[0]), "w"(c.rest[1])); }
 
 template <int Channels, int Tables, bool Rest>
-SPANTEX_INLINE void blend_tables(const table_level& l, const table_samples& s, table_colours<Channels>& out) {
+SPANTEX_INLINE void blend_tables(const table_level& l, const table_samples& s, table_colour (&out)[Channels]) {
   const uint8x16_t index[4] = {s.index, vaddq_u8(s.index, vdupq_n_u8(1)), vaddq_u8(s.index, vdupq_n_u8(16)), vaddq_u8(s.index, vdupq_n_u8(17))};
+  const uint8_t* from = s.first;
 #pragma GCC unroll 4
-  for (int m = 0; m < Channels; ++m) {
-    const uint8_t* from = s.first + m * l.plane.channel;
+  for (int m = 0; m < Channels; ++m, from += l.plane.channel) {
     uint8x16_t texel[4];
 #pragma GCC unroll 4
-    for (int n = 0; n < Tables; ++n, from += 64) {
-      const uint8x16x4_t table = vld1q_u8_x4(from);
+    for (int n = 0; n < Tables; ++n) {
+      const uint8x16x4_t table = vld1q_u8_x4(from + 64 * n);
 #pragma GCC unroll 4
       for (int k = 0; k < 4; ++k) {
         const uint8x16_t at = vsubq_u8(index[k], vdupq_n_u8(uint8_t(64 * n)));
@@ -87,74 +121,52 @@ SPANTEX_INLINE void blend_tables(const table_level& l, const table_samples& s, t
     };
     const auto high = [&](uint8x16_t a, uint8x16_t b) SPANTEX_INLINED { return int16x8_t(vmlal_high_u8(vmull_high_u8(a, s.from_left), b, s.across)); };
     const int16x8_t upper[2] = {low(texel[0], texel[1]), high(texel[0], texel[1])}, lower[2] = {low(texel[2], texel[3]), high(texel[2], texel[3])};
-#pragma GCC unroll 2
-    for (int n = 0; n < 2; ++n) {
-      const int16x8_t change = vsubq_s16(lower[n], upper[n]);
-      out.colour[m][n] = vaddq_s16(upper[n], vqrdmulhq_s16(change, s.down[n]));
-      if (Rest) out.rest[m][n] = vmulq_s16(change, vaddq_s16(s.down[n], s.down[n]));
-    }
+    out[m] = between<Rest>(upper, lower, s.down);
+    follows(from, out[m]);
   }
 }
 
 template <int Channels, bool Rest>
-SPANTEX_INLINE void blend_tables(const table_level& l, const table_samples& s, table_colours<Channels>& out) {
+SPANTEX_INLINE void blend_tables(const table_level& l, const table_samples& s, table_colour (&out)[Channels]) {
   if (s.rows <= 4) blend_tables<Channels, 1, Rest>(l, s, out);
   else if (s.rows <= 8) blend_tables<Channels, 2, Rest>(l, s, out);
   else if (s.rows <= 12) blend_tables<Channels, 3, Rest>(l, s, out);
   else blend_tables<Channels, 4, Rest>(l, s, out);
 }
 
-// even() of pixels.hpp: what is not rounded up is one less, then halves go up. (0 less one is 2^16 - 1, whose rounding is 0 again in eight bits.)
-SPANTEX_INLINE uint8x16_t even_bytes(const int16x8_t (&x)[2], const int16x8_t (&rest)[2]) {
-  const auto one = [&](int n) SPANTEX_INLINED { return vaddq_u16(uint16x8_t(x[n]), vclezq_s16(vaddq_s16(rest[n], vandq_s16(x[n], vdupq_n_s16(0x80))))); };
-  return vrshrn_high_n_u16(vrshrn_n_u16(one(0), q.blend_bits), one(1), q.blend_bits);
-}
-
 // Four rows of four pixels.
-using quad = uint32_t[quad_pixels];
+struct quad { v row[quad_side]; };
 
 template <int Channels>
-SPANTEX_INLINE void put_quad(const uint8x16_t (&channel)[Channels], quad& out) {
-  vst4q_u8(reinterpret_cast<uint8_t*>(out), uint8x16x4_t{{channel[0], channel[1], channel[2], Channels == 4 ? channel[Channels - 1] : vdupq_n_u8(255)}});
+SPANTEX_INLINE quad quad_from(const table_colour (&c)[Channels]) {
+  const uint8x16_t r = even_bytes(c[0]), g = even_bytes(c[1]), b = even_bytes(c[2]), a = Channels == 4 ? even_bytes(c[Channels - 1]) : vdupq_n_u8(255);
+  const uint16x8_t rg[2] = {uint16x8_t(vzip1q_u8(r, g)), uint16x8_t(vzip2q_u8(r, g))}, ba[2] = {uint16x8_t(vzip1q_u8(b, a)), uint16x8_t(vzip2q_u8(b, a))};
+  return {{v(vzip1q_u16(rg[0], ba[0])), v(vzip2q_u16(rg[0], ba[0])), v(vzip1q_u16(rg[1], ba[1])), v(vzip2q_u16(rg[1], ba[1]))}};
 }
 
 // Rounded: the colour of a level is rounded to blend_bits first, as between levels.
 template <int Channels, bool Rounded>
-SPANTEX_INLINE bool quad_of_level(const table_level& l, const span_positions& p, int k, quad& out) {
+SPANTEX_INLINE bool quad_of_level(const table_level& l, const quad_positions& at, quad& out) {
   table_samples s;
-  if (!samples_of(l, p, k, s)) return false;
-  table_colours<Channels> c;
+  if (!samples_of(l, at, s)) return false;
+  table_colour c[Channels];
   blend_tables<Channels, !Rounded>(l, s, c);
-  uint8x16_t channel[Channels];
-  const int16x8_t none[2] = {vdupq_n_s16(0), vdupq_n_s16(0)};
-#pragma GCC unroll 4
-  for (int m = 0; m < Channels; ++m) channel[m] = even_bytes(c.colour[m], Rounded ? none : c.rest[m]);
-  put_quad<Channels>(channel, out);
+  out = quad_from(c);
   return true;
 }
 
 // fraction: of 256.
 template <int Channels>
-SPANTEX_INLINE bool quad_between(const table_level& fine, const table_level& coarse, const int16x8_t (&fraction)[2], const span_positions& p, int k, quad& out) {
+SPANTEX_INLINE bool quad_between(const table_level& fine, const table_level& coarse, const int16x8_t (&fraction)[2], const quad_positions& at, quad& out) {
   table_samples s, t;
-  if (!samples_of(fine, p, k, s) || !samples_of(coarse, p, k, t)) return false;
-  table_colours<Channels> near, far;
+  if (!samples_of(fine, at, s) || !samples_of(coarse, on_next_level(at), t)) return false;
+  table_colour near[Channels], far[Channels];
   blend_tables<Channels, false>(fine, s, near);
   blend_tables<Channels, false>(coarse, t, far);
-  uint8x16_t channel[Channels];
   const int16x8_t weight[2] = {vshlq_n_s16(fraction[0], 15 - q.level_bits), vshlq_n_s16(fraction[1], 15 - q.level_bits)};
 #pragma GCC unroll 4
-  for (int m = 0; m < Channels; ++m) {
-    int16x8_t x[2], rest[2];
-#pragma GCC unroll 2
-    for (int n = 0; n < 2; ++n) {
-      const int16x8_t change = vsubq_s16(far.colour[m][n], near.colour[m][n]);
-      x[n] = vaddq_s16(near.colour[m][n], vqrdmulhq_s16(change, weight[n]));
-      rest[n] = vmulq_s16(change, vaddq_s16(weight[n], weight[n]));
-    }
-    channel[m] = even_bytes(x, rest);
-  }
-  put_quad<Channels>(channel, out);
+  for (int m = 0; m < Channels; ++m) near[m] = between<true>(near[m].value, far[m].value, weight);
+  out = quad_from(near);
   return true;
 }
 
@@ -177,46 +189,49 @@ template <filter Kind, int Channels>
 SPANTEX_INLINE void quads_by_tables(const row_work& work, int32_t sx, span_mask mask, const span_positions& p, const span_coefficients& c) {
   constexpr bool by_level = uses_levels(Kind), two = uses_two_levels(Kind);
   const planar_map& map = *work.texels;
-  pixels_on_levels<true, two> others(work);
+  pixels_on_levels<true, two> others(work, p);
   const int extent_log2 = q.offset_bits - 1 - c.exponent;
-  const on_level<int32_t> first = level_at_once(map.levels_in_rows(), 0);
-  table_level fine = table_of(map, c, 0), coarse = fine;
-  int held = 0;
-  if constexpr (two) coarse = table_of(map, c, min_of(1, work.last_level));
+  const on_level<int32_t> first = level_at_once(map.levels_in_rows(), 0, p);
+  table_level fine, coarse;
+  table_positions on;
+  int held = -1;
+  const auto hold = [&](int level) SPANTEX_INLINED {
+    held = level;
+    const int32_t half_u = c.base_u >> (level + 1), half_v = c.base_v >> (level + 1);
+    fine = table_of(map, 2 * half_u, 2 * half_v, level);
+    if constexpr (two) coarse = table_of(map, half_u, half_v, min_of(level + 1, work.last_level));
+    on = positions_on(p, fine, level);
+  };
   rgba8* const corner = work.pixels + int64_t(work.sy) * span_side * work.stride + sx * span_side;
   for (int n = 0; n < 4; ++n) {
     const int k = quad_side * (n & 1) + quad_side * span_side * (n >> 1);
     const span_mask of_quad = mask >> k;
     if ((of_quad & 0x0F0F0F0F) == 0) continue;
-    alignas(16) quad out;
+    quad out;
     bool drawn = false;
     int whole = 0;
     int16x8_t fraction[2];
     if (!by_level || one_level<two>(p.level + k, whole, fraction)) {
-      if (by_level && whole != held) {
-        held = whole;
-        fine = table_of(map, c, whole);
-        if constexpr (two) coarse = table_of(map, c, min_of(whole + 1, work.last_level));
-      }
-      if (extent_log2 - whole <= 7 && whole < most_table_level) {  // positions fit 16 bits
+      if (extent_log2 - whole <= most_table_extent && whole < most_table_level) {
+        if (whole != held) hold(whole);
+        const quad_positions at = positions_of(on, p, k);
         if constexpr (two) {
           const bool mixed = vmaxvq_u16(vorrq_u16(uint16x8_t(fraction[0]), uint16x8_t(fraction[1]))) != 0;
-          drawn = mixed ? quad_between<Channels>(fine, coarse, fraction, p, k, out) : quad_of_level<Channels, true>(fine, p, k, out);
+          drawn = mixed ? quad_between<Channels>(fine, coarse, fraction, at, out) : quad_of_level<Channels, true>(fine, at, out);
         } else {
-          drawn = quad_of_level<Channels, false>(fine, p, k, out);
+          drawn = quad_of_level<Channels, false>(fine, at, out);
         }
       }
     }
     rgba8* to = corner + int64_t(quad_side * (n >> 1)) * work.stride + quad_side * (n & 1);
     if (drawn && (of_quad & 0x0F0F0F0F) == 0x0F0F0F0F) [[likely]] {
 #pragma GCC unroll 4
-      for (int r = 0; r < quad_side; ++r, to += work.stride) put(to, get(reinterpret_cast<const int32_t*>(out) + quad_side * r));
+      for (int r = 0; r < quad_side; ++r, to += work.stride) put(to, out.row[r]);
       continue;
     }
     for (int r = 0; r < quad_side; ++r, to += work.stride) {
       const int at = k + span_side * r;
-      const v pixels = drawn ? get(reinterpret_cast<const int32_t*>(out) + quad_side * r)
-                             : by_level ? others.at(get(p.level + at), p.u + at, p.v + at) : pixels_of(blended_at<true>(map.levels_in_rows(), first, get(p.u + at), get(p.v + at)));
+      const v pixels = drawn ? out.row[r] : by_level ? others.at(at) : pixels_of(blended_at<true>(map.levels_in_rows(), first, get(p.u + at), get(p.v + at)));
       write(to, uint32_t(of_quad >> (span_side * r)), pixels);
     }
   }

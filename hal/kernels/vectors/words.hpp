@@ -14,6 +14,15 @@ SPANTEX_INLINE bool all_equal(v a, int32_t b) {
   return all == 0;
 }
 
+// The numbers of the series (coordinates.hpp: series_number) and their products: of two, and half of a square, numbers again; with the upper half of a
+// coordinate; 2 log2 w. Machines whose products are of upper halves keep numbers shifted up.
+SPANTEX_INLINE v slope_lanes(v e, int slope_log2) { return (e << -slope_log2) >> 16; }
+SPANTEX_INLINE v slope_product(v a, v b, int slope_log2) { return (a * b) >> (14 - slope_log2); }
+SPANTEX_INLINE v half_slope_square(v a, int slope_log2) { return (a * a) >> (15 - slope_log2); }
+SPANTEX_INLINE v product_with_slope(v x, v slope, int slope_log2) { return ((x >> 16) * slope) >> (-2 - slope_log2); }
+SPANTEX_INLINE v level_of_slope(v slope, int slope_log2) { return (slope * int32_t(level_factor.raw())) >> (11 - slope_log2); }
+SPANTEX_INLINE v small_products(v a, v b) { return a * b; }  // of numbers from 0 to 2^15 - 1
+
 // Of the even lanes.
 SPANTEX_INLINE v_64 wide_products(v_64 a, v_64 b) { return (a & 0xFFFFFFFF) * (b & 0xFFFFFFFF); }
 SPANTEX_INLINE v_64 wide_signed_products(v_64 a, v_64 b) {

@@ -29,9 +29,10 @@ SPANTEX_INLINE bool all_equal(v a, int32_t b) { return SPANTEX_OP(movemask_epi8)
 // The numbers of the series (coordinates.hpp: series_number): in the upper half of each lane, lower half zero.
 SPANTEX_INLINE v upper(v x) { return x & int32_t(0xFFFF0000); }
 SPANTEX_INLINE v slope_lanes(v e, int slope_log2) { return upper(e << -slope_log2); }
-SPANTEX_INLINE v slope_product(v a, v b, int shift) { return upper(products(a, b) >> shift); }
-SPANTEX_INLINE v product_with_slope(v x, v slope, int shift) { return products(x, slope) >> shift; }
-SPANTEX_INLINE v slope_times(v slope, int32_t factor, int shift) { return products(slope, set(factor << 16)) >> shift; }
+SPANTEX_INLINE v slope_product(v a, v b, int slope_log2) { return upper(products(a, b) >> (-2 - slope_log2)); }
+SPANTEX_INLINE v half_slope_square(v a, int slope_log2) { return upper(products(a, a) >> (-1 - slope_log2)); }
+SPANTEX_INLINE v product_with_slope(v x, v slope, int slope_log2) { return products(x, slope) >> (-2 - slope_log2); }
+SPANTEX_INLINE v level_of_slope(v slope, int slope_log2) { return products(slope, set(int32_t(level_factor.raw()) << 16)) >> (11 - slope_log2); }
 SPANTEX_INLINE v small_products(v a, v b) { return products(a, b); }  // of numbers from 0 to 2^15 - 1
 
 // 64-bit lanes; a product's shift is 1 or more and rounds halves up.
