@@ -62,9 +62,10 @@ SPANTEX_INLINE bool find_shapes(const span_coefficients& c, int32_t* level, span
       put(out.n_u + at, nu.at);
       put(out.n_v + at, nv.at);
       put(out.w + at, nw.at);
-      v half_log2;
-      nonzero &= half_log2_of(squares_of(nu.at, nv.at), half_log2);
-      const v length = half_log2 + whole, log_w = flat ? set(0) : log2_of_w(nw.at), major = length - (log_w << 1);
+      const wide_squares squares[] = {squares_of(nu.at, nv.at)};
+      v half_log2[1];
+      nonzero &= half_log2_of(squares, half_log2);
+      const v length = half_log2[0] + whole, log_w = flat ? set(0) : log2_of_w(nw.at), major = length - (log_w << 1);
       const v ratio = largest(least(least((length << 1) - area - log_w, major - bias), set(4 << 16)), set(0)), minor = major - ratio;
       put(level + at, detail_of(minor, most));
       const v step = look_up(counts.step, ratio >> ratio_step_bits);

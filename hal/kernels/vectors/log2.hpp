@@ -44,26 +44,30 @@ SPANTEX_INLINE wide_squares squares_of(v x, v y) {
 }
 
 // False where one of them is zero.
-SPANTEX_INLINE bool half_log2_of(const wide_squares& s, v& out) {
+template <int N>
+SPANTEX_INLINE bool half_log2_of(const wide_squares (&s)[N], v (&out)[N]) {
   constexpr int half = width / 2, drop = 63 - significand_bits;
   uint64_t any = 0, all = UINT64_MAX;
-  const v_64 either = s.even | s.odd;
+  v_64 either{}, both = ~either;
+  for (const wide_squares& one : s) either |= one.even | one.odd;
   for (int k = 0; k < half; ++k) any |= either[k];
-  const int zeros = __builtin_clzll(any + (any == 0));
-  const v_64 even = s.even << zeros, odd = s.odd << zeros, both = even & odd;
+  const int zeros = __builtin_clzll(any | 1);
+  for (const wide_squares& one : s) both &= (one.even & one.odd) << zeros;
   for (int k = 0; k < half; ++k) all &= both[k];
   if (all >> 63 != 0) [[likely]] {  // one shift for all of them, as their lengths are much the same
-    out = half_log2_of(v(even >> drop | odd >> drop << 32) + (62 - zeros) * (1 << significand_bits));
+    for (int n = 0; n < N; ++n) out[n] = half_log2_of(v(s[n].even << zeros >> drop | s[n].odd << zeros >> drop << 32) + (62 - zeros) * (1 << significand_bits));
     return true;
   }
-  alignas(sizeof(v)) uint64_t one[half];
   bool nonzero = true;
-  for (int k = 0; k < half; ++k) {
-    nonzero &= s.even[k] != 0 && s.odd[k] != 0;
-    one[k] = uint32_t(normalised(s.even[k])) | uint64_t(uint32_t(normalised(s.odd[k]))) << 32;
+  for (int n = 0; n < N; ++n) {
+    alignas(sizeof(v)) uint64_t one[half];
+    for (int k = 0; k < half; ++k) {
+      nonzero &= s[n].even[k] != 0 && s[n].odd[k] != 0;
+      one[k] = uint32_t(normalised(s[n].even[k])) | uint64_t(uint32_t(normalised(s[n].odd[k]))) << 32;
+    }
+    v_64 all_of;
+    __builtin_memcpy(&all_of, one, sizeof one);
+    out[n] = half_log2_of(v(all_of));
   }
-  v_64 all_of;
-  __builtin_memcpy(&all_of, one, sizeof one);
-  out = half_log2_of(v(all_of));
   return nonzero;
 }

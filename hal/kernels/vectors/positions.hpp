@@ -15,8 +15,16 @@ SPANTEX_INLINE v series_of(v e, int slope_log2) {
 
 // finer() with a bias of -8, which takes off half of what lies between 0 and 1; then to 2^-8, clamped.
 SPANTEX_INLINE v detail_of(v level, int32_t most) {
-  return least(largest(rounded_shift(level - (least(largest(level, set(0)), set(1 << 16)) >> 1), 8), set(0)), set(most));
+  return least(largest(rounded_shift(largest(rounded_shift(level, 1), level - (1 << 15)), 8), set(0)), set(most));
 }
+
+// s5.10 of the coefficients, s.16, a row each.
+struct row_levels16 {
+  alignas(sizeof(v)) int32_t row[span_side];
+  SPANTEX_INLINE explicit row_levels16(const span_coefficients& c) {
+    for (int part = 0; part < parts; ++part) put(row + width * part, levels16(c.level_row + width * part));
+  }
+};
 
 // 2 log2 w where |w - 1| < 2^-4.
 SPANTEX_INLINE v twice_log2_of_slope(v e, int slope_log2) { return level_of_slope(e - half_slope_square(e, slope_log2), slope_log2); }
@@ -32,6 +40,7 @@ template <int Terms, bool Levels>
 SPANTEX_INLINE void find_positions(const span_coefficients& c, span_positions& out) {
   const int s = c.slope_log2, cut = c.exponent - q.coordinate_bits;
   const int32_t most = int32_t(c.last_level) << q.level_bits;
+  const row_levels16 levels(c);
   for (int part = 0; part < parts; ++part) {
     form nu(c.c_u, c.a_u, c.b_u, part), nv(c.c_v, c.a_v, c.b_v, part), ne(0, c.g, c.h, part);
     const v column = Levels ? levels16(c.level_column + width * part) : set(0);
@@ -47,7 +56,7 @@ SPANTEX_INLINE void find_positions(const span_coefficients& c, span_positions& o
       const int at = span_side * y + width * part;
       put(out.u + at, rounded_shift(u, cut));
       put(out.v + at, rounded_shift(w, cut));
-      if constexpr (Levels) put(out.level + at, detail_of(largest(column, set(int32_t(c.level_row[y]) * 64)) - twice_log2_of_slope(e, s), most));
+      if constexpr (Levels) put(out.level + at, detail_of(largest(column, set(levels.row[y])) - twice_log2_of_slope(e, s), most));
       nu.next();
       nv.next();
       ne.next();
@@ -97,11 +106,12 @@ static_assert(q.offset_bits - 1 - max_extent_log2 - q.coordinate_bits + q.recipr
 // level_at() where it takes a table.
 [[gnu::noinline]] void steep_levels(const span_coefficients& c, span_positions& out) {
   const int32_t most = int32_t(c.last_level) << q.level_bits;
+  const row_levels16 levels(c);
   for (int part = 0; part < parts; ++part) {
     form nw(1 << q.reciprocal_bits, c.g, c.h, part);
     const v column = levels16(c.level_column + width * part);
     for (int y = 0; y < span_side; ++y, nw.next())
-      put(out.level + span_side * y + width * part, detail_of(largest(column, set(int32_t(c.level_row[y]) * 64)) - (log2_of_w(nw.at) << 1), most));
+      put(out.level + span_side * y + width * part, detail_of(largest(column, set(levels.row[y])) - (log2_of_w(nw.at) << 1), most));
   }
 }
 

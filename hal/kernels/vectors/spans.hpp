@@ -177,7 +177,7 @@ class pixels_on_levels {
   const row_levels& map_;
   const span_positions& positions_;
   int32_t last_, held_ = -1;
-  on_level<int32_t> near_{}, far_{};
+  on_level<int32_t> near_, far_;
 };
 
 template <bool MasksOnly, bool TwoLevels>

@@ -10,22 +10,22 @@ constexpr int quad_side = 4, quad_pixels = quad_side * quad_side;
 
 // A level as a span's quads meet it. Positions on it are 8.8, their last bit without weight, from a texel near the span's base.
 struct table_level {
+  const byte_planes::level* plane;
   const uint8_t* values;
-  byte_planes::level plane;
   int32_t from_u, from_v;  // the texel
 };
 
 SPANTEX_INLINE table_level table_of(const planar_map& map, int32_t from_u, int32_t from_v, int level) {
-  const byte_planes::level plane = map.planes().at(level);
-  return {map.planes().values() + plane.first, plane, from_u, from_v};
+  const byte_planes::level& plane = map.planes().at(level);
+  return {&plane, map.planes().values() + plane.first, from_u, from_v};
 }
 
 // From what span_positions has: bits 16 to 31 of (position << up) + add.
 struct table_positions { int32x4_t add_u, add_v, up; };
 
 SPANTEX_INLINE table_positions positions_on(const span_positions& p, const table_level& l, int level) {
-  const int up = 17 - cut_of(level);
-  const auto add = [&](int32_t base, int32_t from) SPANTEX_INLINED { return vdupq_n_s32(int32_t(uint32_t(add_of(level) + base - from * (1 << (q.coordinate_bits + level))) << up)); };
+  const int up = 17 - cut_of(level);  // a texel becomes 2^24: add_of(level) 2^16 - 2^23
+  const auto add = [&](int32_t base, int32_t from) SPANTEX_INLINED { return vdupq_n_s32(int32_t((1u << 16) - (1u << 23) + (uint32_t(base) << up) - (uint32_t(from) << 24))); };
   return {add(p.base_u, l.from_u), add(p.base_v, l.from_v), vdupq_n_s32(up)};
 }
 
@@ -60,11 +60,11 @@ SPANTEX_INLINE bool samples_of(const table_level& l, const quad_positions& at, t
   const auto weights = [](const int16x8_t (&x)[2]) SPANTEX_INLINED { return vshrq_n_u8(vuzp1q_u8(uint8x16_t(x[0]), uint8x16_t(x[1])), 1); };
   const int8x16_t u = texels(at.u), w = texels(at.v);
   const int left = vminvq_s8(u), top = vminvq_s8(w);
-  const uint32_t column = uint32_t(l.from_u + left) & uint32_t(l.plane.mask_u), row_at = uint32_t(l.from_v + top) & uint32_t(l.plane.mask_v);
+  const uint32_t column = uint32_t(l.from_u + left) & uint32_t(l.plane->mask_u), row_at = uint32_t(l.from_v + top) & uint32_t(l.plane->mask_v);
   const int begins = left - int(column % byte_planes::strip_pitch);
   s.rows = vmaxvq_s8(w) - top + 2;
   if (vmaxvq_s8(u) - begins > byte_planes::table_side - 2 || s.rows > byte_planes::table_side) return false;
-  s.first = l.values + (column / byte_planes::strip_pitch * uint32_t(l.plane.strip) + row_at * byte_planes::table_side);
+  s.first = l.values + (column / byte_planes::strip_pitch * uint32_t(l.plane->strip) + row_at * byte_planes::table_side);
   s.index = vmlaq_u8(vsubq_u8(uint8x16_t(u), vdupq_n_u8(uint8_t(16 * top + begins))), uint8x16_t(w), vdupq_n_u8(16));
   s.across = weights(at.u);
   s.from_left = vsubq_u8(vdupq_n_u8(128), s.across);
@@ -100,12 +100,12 @@ SPANTEX_INLINE uint8x16_t even_bytes(const table_colour& c) {
 // g++ does not begin what follows `from` before the colour is there: of several channels side by side there are too many numbers for the registers.
 SPANTEX_INLINE void follows(const uint8_t*& from, const table_colour& c) { asm("" : "+r"(from) : "w"(c.value[0]), "w"(c.value[1]), "w"(c.rest[0]), "w"(c.rest[1])); }
 
-template <int Channels, int Tables, bool Rest>
+template <int Tables, bool Rest, int Channels>
 SPANTEX_INLINE void blend_tables(const table_level& l, const table_samples& s, table_colour (&out)[Channels]) {
   const uint8x16_t index[4] = {s.index, vaddq_u8(s.index, vdupq_n_u8(1)), vaddq_u8(s.index, vdupq_n_u8(16)), vaddq_u8(s.index, vdupq_n_u8(17))};
   const uint8_t* from = s.first;
 #pragma GCC unroll 4
-  for (int m = 0; m < Channels; ++m, from += l.plane.channel) {
+  for (int m = 0; m < Channels; ++m, from += l.plane->channel) {
     uint8x16_t texel[4];
 #pragma GCC unroll 4
     for (int n = 0; n < Tables; ++n) {
@@ -126,12 +126,12 @@ SPANTEX_INLINE void blend_tables(const table_level& l, const table_samples& s, t
   }
 }
 
-template <int Channels, bool Rest>
+template <bool Rest, int Channels>
 SPANTEX_INLINE void blend_tables(const table_level& l, const table_samples& s, table_colour (&out)[Channels]) {
-  if (s.rows <= 4) blend_tables<Channels, 1, Rest>(l, s, out);
-  else if (s.rows <= 8) blend_tables<Channels, 2, Rest>(l, s, out);
-  else if (s.rows <= 12) blend_tables<Channels, 3, Rest>(l, s, out);
-  else blend_tables<Channels, 4, Rest>(l, s, out);
+  if (s.rows <= 4) blend_tables<1, Rest>(l, s, out);
+  else if (s.rows <= 8) blend_tables<2, Rest>(l, s, out);
+  else if (s.rows <= 12) blend_tables<3, Rest>(l, s, out);
+  else blend_tables<4, Rest>(l, s, out);
 }
 
 // Four rows of four pixels.
@@ -144,29 +144,29 @@ SPANTEX_INLINE quad quad_from(const table_colour (&c)[Channels]) {
   return {{v(vzip1q_u16(rg[0], ba[0])), v(vzip2q_u16(rg[0], ba[0])), v(vzip1q_u16(rg[1], ba[1])), v(vzip2q_u16(rg[1], ba[1]))}};
 }
 
-// Rounded: the colour of a level is rounded to blend_bits first, as between levels.
+// Both: false where a section is too large, nothing drawn. Rounded: the colour of a level is rounded to blend_bits first, as between levels.
 template <int Channels, bool Rounded>
-SPANTEX_INLINE bool quad_of_level(const table_level& l, const quad_positions& at, quad& out) {
+SPANTEX_INLINE bool quad_of_level(const table_level& l, const quad_positions& at, auto&& draw) {
   table_samples s;
   if (!samples_of(l, at, s)) return false;
   table_colour c[Channels];
-  blend_tables<Channels, !Rounded>(l, s, c);
-  out = quad_from(c);
+  blend_tables<!Rounded>(l, s, c);
+  draw(quad_from(c));
   return true;
 }
 
 // fraction: of 256.
 template <int Channels>
-SPANTEX_INLINE bool quad_between(const table_level& fine, const table_level& coarse, const int16x8_t (&fraction)[2], const quad_positions& at, quad& out) {
+SPANTEX_INLINE bool quad_between(const table_level& fine, const table_level& coarse, const int16x8_t (&fraction)[2], const quad_positions& at, auto&& draw) {
   table_samples s, t;
   if (!samples_of(fine, at, s) || !samples_of(coarse, on_next_level(at), t)) return false;
   table_colour near[Channels], far[Channels];
-  blend_tables<Channels, false>(fine, s, near);
-  blend_tables<Channels, false>(coarse, t, far);
+  blend_tables<false>(fine, s, near);
+  blend_tables<false>(coarse, t, far);
   const int16x8_t weight[2] = {vshlq_n_s16(fraction[0], 15 - q.level_bits), vshlq_n_s16(fraction[1], 15 - q.level_bits)};
 #pragma GCC unroll 4
   for (int m = 0; m < Channels; ++m) near[m] = between<true>(near[m].value, far[m].value, weight);
-  out = quad_from(near);
+  draw(quad_from(near));
   return true;
 }
 
@@ -185,13 +185,22 @@ SPANTEX_INLINE bool one_level(const int32_t* level, int& whole, int16x8_t (&frac
   return vmaxvq_u16(vorrq_u16(uint16x8_t(fraction[0]), uint16x8_t(fraction[1]))) < 256;
 }
 
+// Four rows of four pixels from the k-th on as spans.hpp draws them.
+template <filter Kind>
+[[gnu::noinline]] void quad_without_tables(const row_work& work, const span_positions& p, int k, span_mask of_quad, rgba8* to) {
+  const row_levels& map = work.texels->levels_in_rows();
+  pixels_on_levels<true, uses_two_levels(Kind)> pixels(work, p);
+  if (!uses_levels(Kind)) pixels.hold(0);
+  for (int r = 0; r < quad_side; ++r, k += span_side, to += work.stride)
+    write(to, uint32_t(of_quad >> (span_side * r)), uses_levels(Kind) ? pixels.at(k) : pixels_of(blended_at<true>(map, pixels.near(), get(p.u + k), get(p.v + k))));
+}
+
+// Functions of their own, so that what others keep in registers leaves it all of them.
 template <filter Kind, int Channels>
-SPANTEX_INLINE void quads_by_tables(const row_work& work, int32_t sx, span_mask mask, const span_positions& p, const span_coefficients& c) {
+[[gnu::noinline]] void quads_by_tables(const row_work& work, int32_t sx, span_mask mask, const span_positions& p, const span_coefficients& c) {
   constexpr bool by_level = uses_levels(Kind), two = uses_two_levels(Kind);
   const planar_map& map = *work.texels;
-  pixels_on_levels<true, two> others(work, p);
   const int extent_log2 = q.offset_bits - 1 - c.exponent;
-  const on_level<int32_t> first = level_at_once(map.levels_in_rows(), 0, p);
   table_level fine, coarse;
   table_positions on;
   int held = -1;
@@ -207,7 +216,16 @@ SPANTEX_INLINE void quads_by_tables(const row_work& work, int32_t sx, span_mask 
     const int k = quad_side * (n & 1) + quad_side * span_side * (n >> 1);
     const span_mask of_quad = mask >> k;
     if ((of_quad & 0x0F0F0F0F) == 0) continue;
-    quad out;
+    rgba8* const to = corner + int64_t(quad_side * (n >> 1)) * work.stride + quad_side * (n & 1);
+    const auto draw = [&](const quad& out) SPANTEX_INLINED {
+      rgba8* row = to;
+      if ((of_quad & 0x0F0F0F0F) == 0x0F0F0F0F) [[likely]] {
+#pragma GCC unroll 4
+        for (int r = 0; r < quad_side; ++r, row += work.stride) put(row, out.row[r]);
+        return;
+      }
+      for (int r = 0; r < quad_side; ++r, row += work.stride) write(row, uint32_t(of_quad >> (span_side * r)), out.row[r]);
+    };
     bool drawn = false;
     int whole = 0;
     int16x8_t fraction[2];
@@ -217,23 +235,13 @@ SPANTEX_INLINE void quads_by_tables(const row_work& work, int32_t sx, span_mask 
         const quad_positions at = positions_of(on, p, k);
         if constexpr (two) {
           const bool mixed = vmaxvq_u16(vorrq_u16(uint16x8_t(fraction[0]), uint16x8_t(fraction[1]))) != 0;
-          drawn = mixed ? quad_between<Channels>(fine, coarse, fraction, at, out) : quad_of_level<Channels, true>(fine, at, out);
+          drawn = mixed ? quad_between<Channels>(fine, coarse, fraction, at, draw) : quad_of_level<Channels, true>(fine, at, draw);
         } else {
-          drawn = quad_of_level<Channels, false>(fine, at, out);
+          drawn = quad_of_level<Channels, false>(fine, at, draw);
         }
       }
     }
-    rgba8* to = corner + int64_t(quad_side * (n >> 1)) * work.stride + quad_side * (n & 1);
-    if (drawn && (of_quad & 0x0F0F0F0F) == 0x0F0F0F0F) [[likely]] {
-#pragma GCC unroll 4
-      for (int r = 0; r < quad_side; ++r, to += work.stride) put(to, out.row[r]);
-      continue;
-    }
-    for (int r = 0; r < quad_side; ++r, to += work.stride) {
-      const int at = k + span_side * r;
-      const v pixels = drawn ? out.row[r] : by_level ? others.at(at) : pixels_of(blended_at<true>(map.levels_in_rows(), first, get(p.u + at), get(p.v + at)));
-      write(to, uint32_t(of_quad >> (span_side * r)), pixels);
-    }
+    if (!drawn) [[unlikely]] quad_without_tables<Kind>(work, p, k, of_quad, to);
   }
 }
 
