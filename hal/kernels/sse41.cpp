@@ -27,8 +27,9 @@ namespace {
 constexpr int width = 4;
 #include "vectors/lanes.hpp"
 #include "vectors/x86.hpp"
-#include "vectors/log2.hpp"
 #include "vectors/reciprocal.hpp"
+#include "vectors/even_odd.hpp"
+#include "vectors/log2.hpp"
 #include "vectors/levels.hpp"
 #include "vectors/pixels.hpp"
 #include "vectors/plan.hpp"

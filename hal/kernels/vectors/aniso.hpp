@@ -62,10 +62,10 @@ SPANTEX_INLINE bool find_shapes(const span_coefficients& c, int32_t* level, span
       put(out.n_u + at, nu.at);
       put(out.n_v + at, nv.at);
       put(out.w + at, nw.at);
-      const wide_squares squares[] = {squares_of(nu.at, nv.at)};
-      v half_log2[1];
-      nonzero &= half_log2_of(squares, half_log2);
-      const v length = half_log2[0] + whole, log_w = flat ? set(0) : log2_of_w(nw.at), major = length - (log_w << 1);
+      const wide squares[] = {squares_of(nu.at, nv.at)};
+      v bits;
+      nonzero &= normalised(squares, &bits);
+      const v length = half_log2_of(bits) + whole, log_w = flat ? set(0) : log2_of_w(nw.at), major = length - (log_w << 1);
       const v ratio = largest(least(least((length << 1) - area - log_w, major - bias), set(4 << 16)), set(0)), minor = major - ratio;
       put(level + at, detail_of(minor, most));
       const v step = look_up(counts.step, ratio >> ratio_step_bits);
@@ -82,9 +82,13 @@ SPANTEX_INLINE bool find_shapes(const span_coefficients& c, int32_t* level, span
 }
 
 // |n| / w^2 in 2^-16 texels: both products rounded, then the scale.
-SPANTEX_INLINE v_64 over_square(v_64 n, v_64 reciprocal, int drop) {
-  const auto rounded = [](v_64 x, int shift) SPANTEX_INLINED { return (x + (uint64_t(1) << (shift - 1))) >> shift; };
-  return rounded(rounded(wide_products(rounded(wide_products(n, reciprocal), q.reciprocal_bits), reciprocal), q.reciprocal_bits), drop);
+SPANTEX_INLINE wide over_square(v n, v reciprocal, int drop) {
+  const auto rounded = [](const wide& x, int shift) SPANTEX_INLINED {
+    const uint64_t half = uint64_t(1) << (shift - 1);
+    return wide{(x.first + half) >> shift, (x.second + half) >> shift};
+  };
+  const auto over_w = [&](v x) SPANTEX_INLINED { return rounded(unsigned_products(x, reciprocal), q.reciprocal_bits); };
+  return rounded(over_w(narrowed(over_w(n))), drop);
 }
 
 // axis_at(), not saturated. False where a row is longer than `most` texels, or all of them together (bit by bit).
@@ -94,14 +98,11 @@ SPANTEX_INLINE v_64 over_square(v_64 n, v_64 reciprocal, int drop) {
   v_64 beyond{};
   for (int k = 0; k < span_pixel_count; k += width) {
     const v nu = get(out.n_u + k), nv = get(out.n_v + k), minus_u = nu >> 31, minus_v = nv >> 31;
-    const v_64 u = v_64((nu ^ minus_u) - minus_u), w = v_64((nv ^ minus_v) - minus_v);
-    wide_reciprocals r{v_64{} + (uint64_t(1) << q.reciprocal_bits), v_64{} + (uint64_t(1) << q.reciprocal_bits)};
-    if (c.how != evaluation::affine) r = reciprocals_of(get(out.w + k));
-    const v_64 even_u = over_square(u & 0xFFFFFFFF, r.even, drop), odd_u = over_square(u >> 32, r.odd, drop);
-    const v_64 even_v = over_square(w & 0xFFFFFFFF, r.even, drop), odd_v = over_square(w >> 32, r.odd, drop);
-    beyond |= even_u | odd_u | even_v | odd_v;
-    put(out.u + k, (v(even_u | odd_u << 32) ^ minus_u) - minus_u);
-    put(out.v + k, (v(even_v | odd_v << 32) ^ minus_v) - minus_v);
+    const v r = c.how == evaluation::affine ? set(1 << q.reciprocal_bits) : reciprocals_of(get(out.w + k));
+    const wide u = over_square((nu ^ minus_u) - minus_u, r, drop), w = over_square((nv ^ minus_v) - minus_v, r, drop);
+    beyond |= u.first | u.second | w.first | w.second;
+    put(out.u + k, (narrowed(u) ^ minus_u) - minus_u);
+    put(out.v + k, (narrowed(w) ^ minus_v) - minus_v);
   }
   uint64_t any = 0;
   for (int k = 0; k < width / 2; ++k) any |= beyond[k];

@@ -9,6 +9,8 @@ typedef uint64_t v_64 __attribute__((vector_size(4 * width)));  // half as many 
 typedef int64_t v_s64 __attribute__((vector_size(4 * width)));
 typedef uint16_t v_unsigned __attribute__((vector_size(4 * width)));
 
+struct wide { v_64 first, second; };  // 64 bits a lane, in the order that the machine's products have
+
 constexpr int parts = span_side / width;  // of a row of pixels
 
 SPANTEX_INLINE v set(int32_t x) { return v{} + x; }

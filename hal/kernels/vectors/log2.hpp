@@ -36,38 +36,41 @@ SPANTEX_INLINE int32_t normalised(uint64_t x) {
 // Half of log2_16() of what was normalised, not zero: log2 of a length from its square.
 SPANTEX_INLINE v half_log2_of(v x) { return (((x >> significand_bits) << 16) + log2_fraction(x)) >> 1; }
 
-// Squares of lengths: the even lanes, then the odd ones.
-struct wide_squares { v_64 even, odd; };
-SPANTEX_INLINE wide_squares squares_of(v x, v y) {
-  const auto square = [](v_64 a, v_64 b) SPANTEX_INLINED { return wide_signed_products(a, a) + wide_signed_products(b, b); };
-  return {square(v_64(x), v_64(y)), square(v_64(x) >> 32, v_64(y) >> 32)};
+// Squares of lengths.
+SPANTEX_INLINE wide squares_of(v x, v y) {
+  const wide a = signed_products(x, x), b = signed_products(y, y);
+  return {a.first + b.first, a.second + b.second};
 }
 
-// False where one of them is zero.
 template <int N>
-SPANTEX_INLINE bool half_log2_of(const wide_squares (&s)[N], v (&out)[N]) {
+SPANTEX_INLINE void half_log2_of(v (&x)[N]) {
+  for (v& one : x) one = half_log2_of(one);
+}
+
+// Normalised. False where one of them is zero.
+template <int N>
+SPANTEX_INLINE bool normalised(const wide (&s)[N], v* out) {
   constexpr int half = width / 2, drop = 63 - significand_bits;
   uint64_t any = 0, all = UINT64_MAX;
   v_64 either{}, both = ~either;
-  for (const wide_squares& one : s) either |= one.even | one.odd;
+  for (const wide& one : s) either |= one.first | one.second;
   for (int k = 0; k < half; ++k) any |= either[k];
   const int zeros = __builtin_clzll(any | 1);
-  for (const wide_squares& one : s) both &= (one.even & one.odd) << zeros;
+  for (const wide& one : s) both &= (one.first & one.second) << zeros;
   for (int k = 0; k < half; ++k) all &= both[k];
   if (all >> 63 != 0) [[likely]] {  // one shift for all of them, as their lengths are much the same
-    for (int n = 0; n < N; ++n) out[n] = half_log2_of(v(s[n].even << zeros >> drop | s[n].odd << zeros >> drop << 32) + (62 - zeros) * (1 << significand_bits));
+    for (int n = 0; n < N; ++n) out[n] = narrowed({s[n].first << zeros >> drop, s[n].second << zeros >> drop}) + (62 - zeros) * (1 << significand_bits);
     return true;
   }
   bool nonzero = true;
   for (int n = 0; n < N; ++n) {
-    alignas(sizeof(v)) uint64_t one[half];
+    wide one = s[n];
     for (int k = 0; k < half; ++k) {
-      nonzero &= s[n].even[k] != 0 && s[n].odd[k] != 0;
-      one[k] = uint32_t(normalised(s[n].even[k])) | uint64_t(uint32_t(normalised(s[n].odd[k]))) << 32;
+      nonzero &= one.first[k] != 0 && one.second[k] != 0;
+      one.first[k] = uint32_t(normalised(one.first[k]));
+      one.second[k] = uint32_t(normalised(one.second[k]));
     }
-    v_64 all_of;
-    __builtin_memcpy(&all_of, one, sizeof one);
-    out[n] = half_log2_of(v(all_of));
+    out[n] = narrowed(one);
   }
   return nonzero;
 }

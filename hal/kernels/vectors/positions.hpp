@@ -64,27 +64,19 @@ SPANTEX_INLINE void find_positions(const span_coefficients& c, span_positions& o
   }
 }
 
-// --- the divide: 64 bits a pixel, even lanes and odd ones ------------------------------------------------
+// --- the divide ----------------------------------------------------------------------------------------
 
 // reciprocal_of_w(w, 30), w in (1/2, 3/2).
-struct wide_reciprocals { v_64 even, odd; };
-SPANTEX_INLINE wide_reciprocals reciprocals_of(v w) {
+SPANTEX_INLINE v reciprocals_of(v w) {
   const v below_one = (w >> 30) - 1;
   const v_32 twice = v_32(w) << 1, m = twice + (twice & v_32(below_one));
-  const v_64 y = v_64(look_up(wide_seeds.seed, v((m >> 24) & 127)));
-  const auto one = [&](v_64 mantissa, v_64 seed, v_64 small) SPANTEX_INLINED {
-    const v_64 r = reciprocal_wide(mantissa, seed);
-    return (r + (r & small) + 2) >> 2;
-  };
-  return {one(v_64(m), y & 0xFFFFFFFF, v_64(below_one)), one(v_64(m) >> 32, y >> 32, v_64(below_one) >> 32)};
+  const v_32 r = v_32(reciprocal_wide(v(m), look_up(wide_seeds.seed, v((m >> 24) & 127))));
+  // to two bits less: r, or twice as much below one, and a half
+  return v((r >> 2) + (r >> 2 & v_32(below_one)) + (((r & 3) + (r & 3 & v_32(below_one)) + 2) >> 2));
 }
 
 // n / w, rounded to coordinate_bits; shift is 32 or more.
-SPANTEX_INLINE v divided(v n, const wide_reciprocals& r, int shift) {
-  const uint64_t half = uint64_t(1) << (shift - 1);
-  const v_64 even = wide_signed_products(v_64(n), r.even) + half, odd = wide_signed_products(v_64(n) >> 32, r.odd) + half;
-  return v((even >> 32) | (odd & 0xFFFFFFFF00000000)) >> (shift - 32);
-}
+SPANTEX_INLINE v divided(v n, v reciprocal, int shift) { return narrowed(signed_products(n, reciprocal), shift); }
 static_assert(q.offset_bits - 1 - max_extent_log2 - q.coordinate_bits + q.reciprocal_bits >= 32);
 
 [[gnu::noinline]] void divide_positions(const span_coefficients& c, span_positions& out) {
@@ -92,7 +84,7 @@ static_assert(q.offset_bits - 1 - max_extent_log2 - q.coordinate_bits + q.recipr
   for (int part = 0; part < parts; ++part) {
     form nu(c.c_u, c.a_u, c.b_u, part), nv(c.c_v, c.a_v, c.b_v, part), nw(1 << q.reciprocal_bits, c.g, c.h, part);
     for (int y = 0; y < span_side; ++y) {
-      const wide_reciprocals r = reciprocals_of(nw.at);
+      const v r = reciprocals_of(nw.at);
       const int at = span_side * y + width * part;
       put(out.u + at, divided(nu.at, r, shift));
       put(out.v + at, divided(nv.at, r, shift));

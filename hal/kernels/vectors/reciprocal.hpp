@@ -10,16 +10,9 @@ struct wide_seed_table {
 };
 constexpr wide_seed_table wide_seeds{};
 
-// newton_step() from a seed: y is 2^31 or more, so that its signed value is 2^32 less.
-SPANTEX_INLINE v_64 first_newton(v_64 m, v_64 y) {
-  const v_64 error = ((uint64_t(1) << 63) - wide_products(m, y)) >> 32;
-  const v_64 next = ((y << 31) + wide_signed_products(y, error) + (error << 32)) >> 31;
-  return next - (next >> 32);
-}
-
-// The same from what it delivered: y may be less than 2^31, but is never above 2^63 / m, so that the error is not negative.
-SPANTEX_INLINE v_64 next_newton(v_64 m, v_64 y) {
-  const v_64 next = ((y << 31) + wide_products(y, ((uint64_t(1) << 63) - wide_products(m, y)) >> 32)) >> 31;
+// newton_step(): y (2^64 - m y) / 2^32 without its lower half, saturated at 2^32 - 1.
+SPANTEX_INLINE v_64 newton(v_64 m, v_64 y) {
+  const v_64 next = wide_products(y, -wide_products(m, y) >> 32) >> 31;
   return next - (next >> 32);
 }
 
@@ -30,4 +23,4 @@ SPANTEX_INLINE v_64 seeds_at(v_64 index) {
 }
 
 // reciprocal_wide()
-SPANTEX_INLINE v_64 reciprocal_wide(v_64 m, v_64 seed) { return next_newton(m, first_newton(m, seed)); }
+SPANTEX_INLINE v_64 reciprocal_wide(v_64 m, v_64 seed) { return newton(m, newton(m, seed)); }

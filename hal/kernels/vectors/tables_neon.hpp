@@ -97,9 +97,6 @@ SPANTEX_INLINE uint8x16_t even_bytes(const table_colour& c) {
   return vrshrn_high_n_u16(vrshrn_n_u16(one(0), q.blend_bits), one(1), q.blend_bits);
 }
 
-// g++ does not begin what follows `from` before the colour is there: of several channels side by side there are too many numbers for the registers.
-SPANTEX_INLINE void follows(const uint8_t*& from, const table_colour& c) { asm("" : "+r"(from) : "w"(c.value[0]), "w"(c.value[1]), "w"(c.rest[0]), "w"(c.rest[1])); }
-
 template <int Tables, bool Rest, int Channels>
 SPANTEX_INLINE void blend_tables(const table_level& l, const table_samples& s, table_colour (&out)[Channels]) {
   const uint8x16_t index[4] = {s.index, vaddq_u8(s.index, vdupq_n_u8(1)), vaddq_u8(s.index, vdupq_n_u8(16)), vaddq_u8(s.index, vdupq_n_u8(17))};
@@ -122,7 +119,6 @@ SPANTEX_INLINE void blend_tables(const table_level& l, const table_samples& s, t
     const auto high = [&](uint8x16_t a, uint8x16_t b) SPANTEX_INLINED { return int16x8_t(vmlal_high_u8(vmull_high_u8(a, s.from_left), b, s.across)); };
     const int16x8_t upper[2] = {low(texel[0], texel[1]), high(texel[0], texel[1])}, lower[2] = {low(texel[2], texel[3]), high(texel[2], texel[3])};
     out[m] = between<Rest>(upper, lower, s.down);
-    follows(from, out[m]);
   }
 }
 

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+// Vector kernels: products of 64 bits a lane, as machines have them that multiply the lower halves of 64-bit lanes: the even lanes', then the odd ones'.
+// low_high.hpp is the same for machines that multiply neighbouring lanes. Included by the machines' files alone.
+#pragma once
+
+SPANTEX_INLINE wide products_from(v a, v b, auto&& product) { return {product(v_64(a), v_64(b)), product(v_64(a) >> 32, v_64(b) >> 32)}; }
+SPANTEX_INLINE wide unsigned_products(v a, v b) { return products_from(a, b, [](v_64 x, v_64 y) SPANTEX_INLINED { return wide_products(x, y); }); }
+SPANTEX_INLINE wide signed_products(v a, v b) { return products_from(a, b, [](v_64 x, v_64 y) SPANTEX_INLINED { return wide_signed_products(x, y); }); }
+
+SPANTEX_INLINE v narrowed(const wide& x) { return v((x.first & 0xFFFFFFFF) | x.second << 32); }
+
+// To nearest, halves up; shift is 32 or more.
+SPANTEX_INLINE v narrowed(const wide& x, int shift) {
+  const uint64_t half = uint64_t(1) << (shift - 1);
+  return v(((x.first + half) >> 32) | ((x.second + half) & 0xFFFFFFFF00000000)) >> (shift - 32);
+}
+
+// reciprocal_wide()
+SPANTEX_INLINE v reciprocal_wide(v m, v seed) {
+  return narrowed({reciprocal_wide(v_64(m), v_64(seed)), reciprocal_wide(v_64(m) >> 32, v_64(seed) >> 32)});
+}

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// Vector kernels: products of 64 bits a lane with NEON: the lower lanes', then the upper ones'. See even_odd.hpp. Included by ../neon.cpp alone.
+#pragma once
+
+SPANTEX_INLINE wide unsigned_products(v a, v b) {
+  const uint32x4_t x = uint32x4_t(a), y = uint32x4_t(b);
+  return {v_64(vmull_u32(vget_low_u32(x), vget_low_u32(y))), v_64(vmull_high_u32(x, y))};
+}
+SPANTEX_INLINE wide signed_products(v a, v b) {
+  const int32x4_t x = int32x4_t(a), y = int32x4_t(b);
+  return {v_64(vmull_s32(vget_low_s32(x), vget_low_s32(y))), v_64(vmull_high_s32(x, y))};
+}
+
+SPANTEX_INLINE v narrowed(const wide& x) { return v(vuzp1q_s32(int32x4_t(x.first), int32x4_t(x.second))); }
+
+// To nearest, halves up.
+SPANTEX_INLINE v narrowed(const wide& x, int shift) {
+  const int64x2_t down = vdupq_n_s64(-shift);
+  return narrowed({v_64(vrshlq_s64(int64x2_t(x.first), down)), v_64(vrshlq_s64(int64x2_t(x.second), down))});
+}
+
+// newton() of reciprocal.hpp.
+SPANTEX_INLINE v newton(v m, v y) {
+  const wide product = unsigned_products(m, y);
+  const uint32x4_t two_less = vuzp2q_u32(uint32x4_t(-product.first), uint32x4_t(-product.second));
+  const wide next = unsigned_products(y, v(two_less));
+  return v(vqshrn_high_n_u64(vqshrn_n_u64(uint64x2_t(next.first), 31), uint64x2_t(next.second), 31));
+}
+
+// reciprocal_wide()
+SPANTEX_INLINE v reciprocal_wide(v m, v seed) { return newton(m, newton(m, seed)); }
