@@ -12,7 +12,7 @@ SPANTEX_INLINE v rounded_shift(v x, int shift) { return v(vrshlq_s32(int32x4_t(x
 // The numbers of the series (coordinates.hpp: series_number), shifted up by 17 + slope_log2: the upper half of a doubled product is then that of words.hpp.
 SPANTEX_INLINE v number(v x, int slope_log2) { return x & -(1 << (17 + slope_log2)); }
 SPANTEX_INLINE v upper_products(v a, v b) { return v(vqdmulhq_s32(int32x4_t(a), int32x4_t(b))); }  // (2 a b) >> 32
-SPANTEX_INLINE v slope_lanes(v e, int slope_log2) { return number(e + e, slope_log2); }
+SPANTEX_INLINE v slope_lanes(v twice_e, int slope_log2) { return number(twice_e, slope_log2); }
 SPANTEX_INLINE v slope_product(v a, v b, int slope_log2) { return number(upper_products(a, b), slope_log2); }
 SPANTEX_INLINE v half_slope_square(v a, int slope_log2) { return number(upper_products(a, a >> 1), slope_log2); }
 SPANTEX_INLINE v product_with_slope(v x, v slope, int) { return upper_products(x & int32_t(0xFFFF0000), slope); }

@@ -18,7 +18,7 @@ SPANTEX_INLINE v detail_of(v level, int32_t most) {
   return least(largest(rounded_shift(largest(rounded_shift(level, 1), level - (1 << 15)), 8), set(0)), set(most));
 }
 
-// s5.10 of the coefficients, s.16, a row each.
+// s5.10 of the coefficients, s.16, by rows.
 struct row_levels16 {
   alignas(sizeof(v)) int32_t row[span_side];
   SPANTEX_INLINE explicit row_levels16(const span_coefficients& c) {
@@ -42,12 +42,11 @@ SPANTEX_INLINE void find_positions(const span_coefficients& c, span_positions& o
   const int32_t most = int32_t(c.last_level) << q.level_bits;
   const row_levels16 levels(c);
   for (int part = 0; part < parts; ++part) {
-    form nu(c.c_u, c.a_u, c.b_u, part), nv(c.c_v, c.a_v, c.b_v, part), ne(0, c.g, c.h, part);
+    form nu(c.c_u, c.a_u, c.b_u, part), nv(c.c_v, c.a_v, c.b_v, part), twice_e(0, 2 * c.g, 2 * c.h, part);
     const v column = Levels ? levels16(c.level_column + width * part) : set(0);
-#pragma GCC unroll 2
-    for (int y = 0; y < span_side; ++y) {
+    const auto row = [&](int y) SPANTEX_INLINED {
       v u = nu.at, w = nv.at;
-      const v e = slope_lanes(ne.at, s);
+      const v e = slope_lanes(twice_e.at, s);
       if constexpr (Terms > 0) {
         const v r = series_of<Terms>(e, s);
         u -= product_with_slope(u, r, s);
@@ -59,7 +58,14 @@ SPANTEX_INLINE void find_positions(const span_coefficients& c, span_positions& o
       if constexpr (Levels) put(out.level + at, detail_of(largest(column, set(levels.row[y])) - twice_log2_of_slope(e, s), most));
       nu.next();
       nv.next();
-      ne.next();
+      twice_e.next();
+    };
+    if constexpr (Levels) {
+#pragma GCC unroll 8
+      for (int y = 0; y < span_side; ++y) row(y);
+    } else {  // with no more numbers to wait for, more rows at once only leave too few registers
+#pragma GCC unroll 4
+      for (int y = 0; y < span_side; ++y) row(y);
     }
   }
 }
@@ -102,6 +108,7 @@ static_assert(q.offset_bits - 1 - max_extent_log2 - q.coordinate_bits + q.recipr
   for (int part = 0; part < parts; ++part) {
     form nw(1 << q.reciprocal_bits, c.g, c.h, part);
     const v column = levels16(c.level_column + width * part);
+#pragma GCC unroll 8
     for (int y = 0; y < span_side; ++y, nw.next())
       put(out.level + span_side * y + width * part, detail_of(largest(column, set(levels.row[y])) - (log2_of_w(nw.at) << 1), most));
   }

@@ -16,7 +16,7 @@ SPANTEX_INLINE bool all_equal(v a, int32_t b) {
 
 // The numbers of the series (coordinates.hpp: series_number) and their products: of two, and half of a square, numbers again; with the upper half of a
 // coordinate; 2 log2 w. Machines whose products are of upper halves keep numbers shifted up.
-SPANTEX_INLINE v slope_lanes(v e, int slope_log2) { return (e << -slope_log2) >> 16; }
+SPANTEX_INLINE v slope_lanes(v twice_e, int slope_log2) { return (twice_e << (-1 - slope_log2)) >> 16; }
 SPANTEX_INLINE v slope_product(v a, v b, int slope_log2) { return (a * b) >> (14 - slope_log2); }
 SPANTEX_INLINE v half_slope_square(v a, int slope_log2) { return (a * a) >> (15 - slope_log2); }
 SPANTEX_INLINE v product_with_slope(v x, v slope, int slope_log2) { return ((x >> 16) * slope) >> (-2 - slope_log2); }

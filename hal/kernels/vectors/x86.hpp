@@ -28,7 +28,7 @@ SPANTEX_INLINE bool all_equal(v a, int32_t b) { return SPANTEX_OP(movemask_epi8)
 
 // The numbers of the series (coordinates.hpp: series_number): in the upper half of each lane, lower half zero.
 SPANTEX_INLINE v upper(v x) { return x & int32_t(0xFFFF0000); }
-SPANTEX_INLINE v slope_lanes(v e, int slope_log2) { return upper(e << -slope_log2); }
+SPANTEX_INLINE v slope_lanes(v twice_e, int slope_log2) { return upper(twice_e << (-1 - slope_log2)); }
 SPANTEX_INLINE v slope_product(v a, v b, int slope_log2) { return upper(products(a, b) >> (-2 - slope_log2)); }
 SPANTEX_INLINE v half_slope_square(v a, int slope_log2) { return upper(products(a, a) >> (-1 - slope_log2)); }
 SPANTEX_INLINE v product_with_slope(v x, v slope, int slope_log2) { return products(x, slope) >> (-2 - slope_log2); }
