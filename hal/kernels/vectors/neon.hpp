@@ -47,13 +47,12 @@ SPANTEX_INLINE v from_first(v x, v first) { return add16(x, first); }
 
 // weights: bytes f and 128 - f of u, then of v, a lane a pixel.
 template <int K>
-SPANTEX_INLINE uint16x8_t columns_of(const rgba8* top, const rgba8* bottom, uint8x16_t weights) {
-  const uint8x8_t row0 = vld1_u8(reinterpret_cast<const uint8_t*>(top)), row1 = vld1_u8(reinterpret_cast<const uint8_t*>(bottom));
-  return vmlal_u8(vmull_u8(row0, vdup_laneq_u8(weights, 4 * K + 3)), row1, vdup_laneq_u8(weights, 4 * K + 2));
+SPANTEX_INLINE uint64x2_t columns_of(const uint8_t* top, const uint8_t* bottom, uint8x16_t weights) {
+  return uint64x2_t(vmlal_u8(vmull_u8(vld1_u8(top), vdup_laneq_u8(weights, 4 * K + 3)), vld1_u8(bottom), vdup_laneq_u8(weights, 4 * K + 2)));
 }
-SPANTEX_INLINE void put_columns(blends& b, int k, uint16x8_t one, uint16x8_t other) {
-  b.first[k] = v(vcombine_u16(vget_low_u16(one), vget_low_u16(other)));
-  b.change[k] = subtract16(v(vcombine_u16(vget_high_u16(one), vget_high_u16(other))), b.first[k]);
+SPANTEX_INLINE void put_columns(blends& b, int k, uint64x2_t one, uint64x2_t other) {
+  b.first[k] = v(vzip1q_u64(one, other));
+  b.change[k] = subtract16(v(vzip2q_u64(one, other)), b.first[k]);
 }
 
 // fraction: u in the lower half of each lane, v in the upper, of 128.
@@ -61,9 +60,11 @@ SPANTEX_INLINE blends blend(const rgba8* top, const uint32_t* top_at, const rgba
   const uint16x8_t f = uint16x8_t(fraction);
   const uint8x16_t weights = vreinterpretq_u8_u16(vsliq_n_u16(f, vsubq_u16(vdupq_n_u16(128), f), 8));
   const v of_u = fraction << (15 - q.subtexel_bits);
+  const v_32 upper = v_32(get(reinterpret_cast<const int32_t*>(top_at))) * sizeof(rgba8), lower = v_32(get(reinterpret_cast<const int32_t*>(bottom_at))) * sizeof(rgba8);
+  const uint8_t *const row0 = reinterpret_cast<const uint8_t*>(top), *const row1 = reinterpret_cast<const uint8_t*>(bottom);
   blends b;
-  put_columns(b, 0, columns_of<0>(top + top_at[0], bottom + bottom_at[0], weights), columns_of<1>(top + top_at[1], bottom + bottom_at[1], weights));
-  put_columns(b, 1, columns_of<2>(top + top_at[2], bottom + bottom_at[2], weights), columns_of<3>(top + top_at[3], bottom + bottom_at[3], weights));
+  put_columns(b, 0, columns_of<0>(row0 + upper[0], row1 + lower[0], weights), columns_of<1>(row0 + upper[1], row1 + lower[1], weights));
+  put_columns(b, 1, columns_of<2>(row0 + upper[2], row1 + lower[2], weights), columns_of<3>(row0 + upper[3], row1 + lower[3], weights));
   b.weight[0] = low_words(of_u, 0);
   b.weight[1] = low_words(of_u, 1);
   return b;
