@@ -83,10 +83,7 @@ SPANTEX_INLINE bool find_shapes(const span_coefficients& c, int32_t* level, span
 
 // |n| / w^2 in 2^-16 texels: both products rounded, then the scale.
 SPANTEX_INLINE wide over_square(v n, v reciprocal, int drop) {
-  const auto rounded = [](const wide& x, int shift) SPANTEX_INLINED {
-    const uint64_t half = uint64_t(1) << (shift - 1);
-    return wide{(x.first + half) >> shift, (x.second + half) >> shift};
-  };
+  const auto rounded = [](const wide& x, int shift) SPANTEX_INLINED { return wide{rounded_shift(x.first, shift), rounded_shift(x.second, shift)}; };
   const auto over_w = [&](v x) SPANTEX_INLINED { return rounded(unsigned_products(x, reciprocal), q.reciprocal_bits); };
   return rounded(over_w(narrowed(over_w(n))), drop);
 }
@@ -114,45 +111,47 @@ SPANTEX_INLINE v along(v length, v m) {
   return (small_products(length >> 15, m) + ((small_products(length & 0x7FFF, m) + 0x8000) >> 15)) >> 1;
 }
 
-// Means over the rows of `width` pixels from the k-th on, of up to `most` samples. Samples 2 m and 2 m + 1 of a loop are the m-th from either end of a row;
+// Means over the rows of `width` pixels from the k-th on, of `fewest` to `most` samples. Samples 2 m and 2 m + 1 of a loop are the m-th from either end of a row;
 // positions have 14 bits of fraction, which takes nothing from what an integer number of them is snapped to.
 template <bool MasksOnly, class Shift>
-SPANTEX_INLINE v means_of_rows(const row_levels& map, const on_level<Shift>& fine, const on_level<Shift>& coarse, v fraction, const span_positions& p, const span_rows& rows, int k, int most) {
+SPANTEX_INLINE v means_of_rows(const row_levels& map, const on_level<Shift>& fine, const on_level<Shift>& coarse, v fraction, const span_positions& p, const span_rows& rows, int k, int fewest, int most) {
   static_assert(q.coordinate_bits == 14);
   const v samples = get(rows.samples + k), pitch = look_up(of_samples.half_pitch, samples), centre_u = get(p.u + k), centre_v = get(p.v + k);
   const v minus_u = get(rows.u + k) >> 31, minus_v = get(rows.v + k) >> 31, length_u = (get(rows.u + k) ^ minus_u) - minus_u, length_v = (get(rows.v + k) ^ minus_v) - minus_v;
   const bool two = !all_equal(fraction, 0);
   colour_sums near, far;
-  const auto add = [&](v u, v w, v counted) SPANTEX_INLINED {
-    add_colours(near, blended_at<MasksOnly>(map, fine, u, w), counted);
-    if (two) add_colours(far, blended_at<MasksOnly>(map, coarse, u, w), counted);
+  const auto add = [&](v u, v w, int s) SPANTEX_INLINED {
+    const v counted = v(samples > s);
+    add_colours(near, blended_at<MasksOnly>(map, fine, u, w), counted, s < fewest);
+    if (two) add_colours(far, blended_at<MasksOnly>(map, coarse, u, w), counted, s < fewest);
   };
   for (int s = 0; s < most; s += 2) {
     const v m = small_products(largest(samples - 1 - s, set(0)), pitch), u = (along(length_u, m) ^ minus_u) - minus_u, w = (along(length_v, m) ^ minus_v) - minus_v;
-    add(centre_u + (-u >> 2), centre_v + (-w >> 2), v(samples > s));
-    if (s + 1 < most) add(centre_u + (u >> 2), centre_v + (w >> 2), v(samples > s + 1));
+    add(centre_u + (-u >> 2), centre_v + (-w >> 2), s);
+    if (s + 1 < most) add(centre_u + (u >> 2), centre_v + (w >> 2), s + 1);
   }
   return means_between(near, far, fraction, samples, look_up(of_samples.inverse, samples));
 }
 
 template <bool MasksOnly>
-[[gnu::noinline]] v means_by_lane(const row_levels& map, int32_t last, const span_positions& p, const span_rows& rows, int k, int most) {
+[[gnu::noinline]] v means_by_lane(const row_levels& map, int32_t last, const span_positions& p, const span_rows& rows, int k, int fewest, int most) {
   alignas(sizeof(v)) int32_t fine[width], coarse[width];
   put(fine, get(p.level + k) >> q.level_bits);
   put(coarse, least(get(fine) + 1, set(last)));
-  return means_of_rows<MasksOnly>(map, level_by_lane(map, fine, p), level_by_lane(map, coarse, p), get(p.level + k) & 255, p, rows, k, most);
+  return means_of_rows<MasksOnly>(map, level_by_lane(map, fine, p), level_by_lane(map, coarse, p), get(p.level + k) & 255, p, rows, k, fewest, most);
 }
 
-SPANTEX_INLINE int most_of(const int32_t* samples) {
-  int most = samples[0];
-  if (!all_equal(get(samples), most))
-    for (int k = 1; k < width; ++k) most = max_of(most, samples[k]);
-  return most;
+struct range_of { int fewest, most; };
+SPANTEX_INLINE range_of numbers_of(const int32_t* samples) {
+  range_of r{samples[0], samples[0]};
+  if (!all_equal(get(samples), r.most))
+    for (int k = 1; k < width; ++k) r = {min_of(r.fewest, samples[k]), max_of(r.most, samples[k])};
+  return r;
 }
 
 // False where the scalar engine must draw: rows that are too long, vectors of no length, levels that are no exact halves.
 template <bool MasksOnly>
-SPANTEX_INLINE bool draw_aniso(const row_work& work, int32_t sx, span_mask mask, span_positions& p, span_coefficients& c) {
+[[gnu::noinline]] bool draw_aniso(const row_work& work, int32_t sx, span_mask mask, span_positions& p, span_coefficients& c) {
   const row_levels& map = work.texels->levels_in_rows();
   pixels_on_levels<MasksOnly, true> pixels(work, p);
   span_rows rows;
@@ -161,12 +160,12 @@ SPANTEX_INLINE bool draw_aniso(const row_work& work, int32_t sx, span_mask mask,
   if (!find_shapes(c, p.level, rows, several) || !pixels.all_in()) return false;
   if (several && !find_rows(c, 2 * max_of(0, min_of(longest_row / 2, map.place_limit() - reach_of(c))), rows)) return false;
   write_span(work, sx, mask, [&](int k) SPANTEX_INLINED {
-    const int most = most_of(rows.samples + k);
+    const auto [fewest, most] = numbers_of(rows.samples + k);
     if (most == 1) return pixels.at(k);
     const v level = get(p.level + k), whole = level >> q.level_bits;
-    if (!all_equal(whole, whole[0])) [[unlikely]] return means_by_lane<MasksOnly>(map, work.last_level, p, rows, k, most);
+    if (!all_equal(whole, whole[0])) [[unlikely]] return means_by_lane<MasksOnly>(map, work.last_level, p, rows, k, fewest, most);
     pixels.hold(whole[0]);
-    return means_of_rows<MasksOnly>(map, pixels.near(), pixels.far(), level & 255, p, rows, k, most);
+    return means_of_rows<MasksOnly>(map, pixels.near(), pixels.far(), level & 255, p, rows, k, fewest, most);
   });
   return true;
 }

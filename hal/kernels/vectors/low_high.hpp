@@ -11,9 +11,11 @@ SPANTEX_INLINE wide signed_products(v a, v b) {
   return {v_64(vmull_s32(vget_low_s32(x), vget_low_s32(y))), v_64(vmull_high_s32(x, y))};
 }
 
+SPANTEX_INLINE v_64 rounded_shift(v_64 x, int shift) { return v_64(vrshlq_u64(uint64x2_t(x), vdupq_n_s64(-shift))); }  // to nearest, halves up
+
 SPANTEX_INLINE v narrowed(const wide& x) { return v(vuzp1q_s32(int32x4_t(x.first), int32x4_t(x.second))); }
 
-// To nearest, halves up.
+// After a rounded shift, of signed numbers.
 SPANTEX_INLINE v narrowed(const wide& x, int shift) {
   const int64x2_t down = vdupq_n_s64(-shift);
   return narrowed({v_64(vrshlq_s64(int64x2_t(x.first), down)), v_64(vrshlq_s64(int64x2_t(x.second), down))});

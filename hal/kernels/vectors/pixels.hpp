@@ -37,11 +37,12 @@ SPANTEX_INLINE v pixels_of_level(const blends& b) { return packed(even(level_col
 // Colours of one level, 8.7, added up: even channels and odd ones, a lane each, of two pixels a register (blends has them so).
 struct colour_sums { v even[2] = {}, odd[2] = {}; };
 
-// counted: all ones where the lane's pixel has this sample.
-SPANTEX_INLINE void add_colours(colour_sums& s, const blends& b, v counted) {
+// counted: all ones where the lane's pixel has this sample; or every_one has it.
+SPANTEX_INLINE void add_colours(colour_sums& s, const blends& b, v counted, bool every_one) {
 #pragma GCC unroll 2
   for (int k = 0; k < 2; ++k) {
-    const v x = level_colour(b, k) & low_words(counted, k);
+    v x = level_colour(b, k);
+    if (!every_one) x &= low_words(counted, k);
     s.even[k] += x & 0xFFFF;
     s.odd[k] += v(v_32(x) >> 16);
   }

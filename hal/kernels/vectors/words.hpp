@@ -125,7 +125,7 @@ SPANTEX_INLINE v texels_at(const rgba8* from, const uint32_t* at) {
 struct colour_sums { uint64_t even[width] = {}, odd[width] = {}; };
 
 // counted: all ones where the lane's pixel has this sample.
-SPANTEX_INLINE void add_colours(colour_sums& s, const blends& b, v counted) {
+SPANTEX_INLINE void add_colours(colour_sums& s, const blends& b, v counted, bool) {
   for (int k = 0; k < width; ++k) {
     const uint64_t mask = uint64_t(int64_t(counted[k]));
     s.even[k] += to_blend_bits(b.even[k]) & mask;
