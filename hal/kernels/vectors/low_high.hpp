@@ -24,9 +24,9 @@ SPANTEX_INLINE v narrowed(const wide& x, int shift) {
 // newton() of reciprocal.hpp.
 SPANTEX_INLINE v newton(v m, v y) {
   const wide product = unsigned_products(m, y);
-  const uint32x4_t two_less = vuzp2q_u32(uint32x4_t(-product.first), uint32x4_t(-product.second));
-  const wide next = unsigned_products(y, v(two_less));
-  return v(vqshrn_high_n_u64(vqshrn_n_u64(uint64x2_t(next.first), 31), uint64x2_t(next.second), 31));
+  const uint32x4_t two_minus = vuzp2q_u32(uint32x4_t(-product.first), uint32x4_t(-product.second));
+  const wide next = unsigned_products(y, v(two_minus));
+  return v(vshrn_high_n_u64(vshrn_n_u64(uint64x2_t(next.first), 31), uint64x2_t(next.second), 31));
 }
 
 // reciprocal_wide()

@@ -10,11 +10,8 @@ struct wide_seed_table {
 };
 constexpr wide_seed_table wide_seeds{};
 
-// newton_step(): y (2^64 - m y) / 2^32 without its lower half, saturated at 2^32 - 1.
-SPANTEX_INLINE v_64 newton(v_64 m, v_64 y) {
-  const v_64 next = wide_products(y, -wide_products(m, y) >> 32) >> 31;
-  return next - (next >> 32);
-}
+// newton_step(): y (2^64 - m y) / 2^63. Less than 2^32, as y is, since m is 2^31 or more: 2^32 - (2^32 - y)^2 / 2^32 at most.
+SPANTEX_INLINE v_64 newton(v_64 m, v_64 y) { return wide_products(y, -wide_products(m, y) >> 32) >> 31; }
 
 // Seeds by the bits of m behind the first one.
 SPANTEX_INLINE v_64 seeds_at(v_64 index) {

@@ -207,20 +207,21 @@ template <filter Kind, int Channels>
     if constexpr (two) coarse = table_of(map, half_u, half_v, min_of(level + 1, work.last_level));
     on = positions_on(p, fine, level);
   };
-  rgba8* const corner = work.pixels + int64_t(work.sy) * span_side * work.stride + sx * span_side;
+  const ptrdiff_t stride = work.stride;
+  rgba8* const corner = work.pixels + work.sy * span_side * stride + sx * span_side;
   for (int n = 0; n < 4; ++n) {
     const int k = quad_side * (n & 1) + quad_side * span_side * (n >> 1);
     const span_mask of_quad = mask >> k;
     if ((of_quad & 0x0F0F0F0F) == 0) continue;
-    rgba8* const to = corner + int64_t(quad_side * (n >> 1)) * work.stride + quad_side * (n & 1);
+    rgba8* const to = corner + quad_side * (n >> 1) * stride + quad_side * (n & 1);
     const auto draw = [&](const quad& out) SPANTEX_INLINED {
       rgba8* row = to;
       if ((of_quad & 0x0F0F0F0F) == 0x0F0F0F0F) [[likely]] {
 #pragma GCC unroll 4
-        for (int r = 0; r < quad_side; ++r, row += work.stride) put(row, out.row[r]);
+        for (int r = 0; r < quad_side; ++r, row += stride) put(row, out.row[r]);
         return;
       }
-      for (int r = 0; r < quad_side; ++r, row += work.stride) write(row, uint32_t(of_quad >> (span_side * r)), out.row[r]);
+      for (int r = 0; r < quad_side; ++r, row += stride) write(row, uint32_t(of_quad >> (span_side * r)), out.row[r]);
     };
     bool drawn = false;
     int whole = 0;
