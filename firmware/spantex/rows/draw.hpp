@@ -176,6 +176,16 @@ class painter {
     source s{};
     detail::set_offsets(b, level, offset);
     if (!detail::source_of_block(b, t, level, kind == filter::nearest ? 0 : 1, memory_.at.at, memory_.reach, s)) return false;
+#if SPANTEX_ROWS_MVE
+    mve::view map;
+    if (kind == filter::bilinear && detail::view_of(memory_.reach, s, map)) {
+      each_row(part, [&](texel565* out, int first, int count, int j) {
+        walk_from(b, j, first, level, memory_.at.at);
+        mve::bilinear(out, count, memory_.at.at, map, memory_.between.words);
+      });
+      return true;
+    }
+#endif
     each_row(part, [&](texel565* out, int first, int count, int j) {
       walk_from(b, j, first, level, memory_.at.at);
       run<kind>(out, count, memory_.at.at, s, memory_.between);

@@ -150,8 +150,7 @@ SPANTEX_WRAPS inline bool vectors_take(uint16_t* out, int count, const walk& fro
   v0 >>= 16;
   const int32_t rows = (v1 >> 16) - v0 + 2, pitch = s.pitch_bytes / 2;
   if (!mve::offsets_fit(rows, pitch)) return false;
-  const walk at{from.u - (u << 16), from.v - (v0 << 16), from.du, from.dv, from.ddu, from.ddv};
-  mve::bilinear(out, count, at, s.origin + (v0 * pitch + u), pitch, between.words);
+  mve::bilinear(out, count, from, {s.origin + (v0 * pitch + u), pitch, 0, 0, -u * (1 << 16), -v0 * (1 << 16)}, between.words);
   return true;
 }
 

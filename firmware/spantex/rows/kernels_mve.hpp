@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bilinear runs with M-profile vectors (MVE, Cortex-M55): eight pixels at a time in 16-bit lanes, four gathers, exact sums of 16 bits (63 * 1024 + 512).
+// Bilinear runs with M-profile vectors (MVE, Cortex-M55): eight pixels at a time in 16-bit lanes, four gathers. Two loops: the first writes positions
+// (straight rows 9 instructions for eight pixels, bent ones 13), the second filters (55, wrapped by masks 67).
 // The only header of the library that includes a compiler's own (arm_mve.h).
 #pragma once
 #include <arm_mve.h>
@@ -9,142 +10,149 @@
 
 namespace spantex::rows::mve {
 
-// Whether offsets from the run's corner fit 16 bits: `rows` texel rows of `pitch` texels.
+// A map as lanes address it: offsets of 16 bits from `texels`, positions of 11 bits and 5 of fraction.
+struct view {
+  const texel565* texels;
+  int32_t pitch;
+  uint16_t columns, rows;  // whole positions are wrapped by masks: width - 1, (height - 1) * pitch; 0 if none has to be
+  int32_t u, v;            // added to positions, which are then at least 0 unless they are wrapped
+};
+inline constexpr int32_t longest_side = 1 << 11;
+
+// Whether offsets within `rows` texel rows fit.
 constexpr bool offsets_fit(int32_t rows, int32_t pitch) { return rows * pitch <= 0xFFFF; }
 
-// Eight pixels' positions between the two loops: whole part and 5 bits of fraction, in their order.
+// Eight pixels' positions between the two loops, in their order.
 struct eight { uint16_t u[8], v[8]; };
 
-inline void store(uint16_t* to, int32x4_t even, int32x4_t odd) {
-  vst1q_u16(to, vreinterpretq_u16_s16(vshrntq_n_s32(vshrnbq_n_s32(vuninitializedq_s16(), even, 11), odd, 11)));
+// One coordinate of pixels 0 2 4 6 and the steps to 1 3 5 7, 2^-21 texel.
+struct lanes { uint32x4_t at, step; };
+[[gnu::always_inline]] inline lanes lanes_of(int32_t start, int32_t step, int32_t bend) {
+  const uint32x4_t i = vidupq_n_u32(0, 2), pairs = vshrq_n_u32(vmulq_u32(i, vsubq_n_u32(i, 1)), 1);
+  const uint32x4_t walked = vaddq_u32(vmulq_n_u32(i, uint32_t(step)), vmulq_n_u32(pairs, uint32_t(bend)));
+  return {vshlq_n_u32(vaddq_n_u32(walked, uint32_t(start)), 5), vshlq_n_u32(vaddq_n_u32(vmulq_n_u32(i, uint32_t(bend)), uint32_t(step)), 5)};
 }
 
-// Lanes are pixels 0 2 4 6, then 1 3 5 7, a step further.
-[[gnu::always_inline]] inline void places_straight(eight* to, int count, const walk& at) {
-  const uint32x4_t i = vidupq_n_u32(0, 2);
-  uint32x4_t u = vaddq_n_u32(vmulq_n_u32(i, uint32_t(at.du)), uint32_t(at.u)), v = vaddq_n_u32(vmulq_n_u32(i, uint32_t(at.dv)), uint32_t(at.v)), x;
+[[gnu::always_inline]] inline void places_straight(eight* to, int count, const walk& at, const view& map) {
+  uint32x4_t u = lanes_of(at.u + map.u, at.du, 0).at, v = lanes_of(at.v + map.v, at.dv, 0).at, x;
   asm volatile(
       "dlstp.16 lr, %[n]\n"
-      "1: vshrnb.i32 %q[x], %q[u], #11\n"
-      "vadd.i32 %q[u], %q[u], %[du]\n"
-      "vshrnt.i32 %q[x], %q[u], #11\n"
-      "vadd.i32 %q[u], %q[u], %[du7]\n"
+      "1: vadd.i32 %q[x], %q[u], %[du]\n"
+      "vsri.32 %q[x], %q[u], #16\n"
+      "vadd.i32 %q[u], %q[u], %[du8]\n"
       "vstrh.16 %q[x], [%[to]], #16\n"
-      "vshrnb.i32 %q[x], %q[v], #11\n"
-      "vadd.i32 %q[v], %q[v], %[dv]\n"
-      "vshrnt.i32 %q[x], %q[v], #11\n"
-      "vadd.i32 %q[v], %q[v], %[dv7]\n"
+      "vadd.i32 %q[x], %q[v], %[dv]\n"
+      "vsri.32 %q[x], %q[v], #16\n"
+      "vadd.i32 %q[v], %q[v], %[dv8]\n"
       "vstrh.16 %q[x], [%[to]], #16\n"
       "letp lr, 1b\n"
       : [to] "+r"(to), [u] "+w"(u), [v] "+w"(v), [x] "=&w"(x)
-      : [n] "r"(count), [du] "r"(at.du), [dv] "r"(at.dv), [du7] "r"(7 * at.du), [dv7] "r"(7 * at.dv)
+      : [n] "r"(count), [du] "r"(at.du * 32), [dv] "r"(at.dv * 32), [du8] "r"(at.du * 256), [dv8] "r"(at.dv * 256)
       : "lr", "memory", "cc");
 }
 
-// u + n du + n (n - 1)/2 ddu of one coordinate.
-inline void places_bent(uint16_t* to, int count, int32_t u, int32_t du, int32_t ddu) {
-  const int32x4_t i = vreinterpretq_s32_u32(vidupq_n_u32(0, 2)), j = vaddq_n_s32(i, 1);
-  const auto at = [&](int32x4_t n) {
-    const int32x4_t pairs = vshrq_n_s32(vmulq_s32(n, vsubq_n_s32(n, 1)), 1);
-    return vaddq_n_s32(vaddq_s32(vmulq_n_s32(n, du), vmulq_n_s32(pairs, ddu)), u);
-  };
-  const auto step = [&](int32x4_t n) { return vaddq_n_s32(vmulq_n_s32(n, 8 * ddu), 8 * du + 28 * ddu); };
-  int32x4_t even = at(i), odd = at(j), even_step = step(i), odd_step = step(j);
-  for (; count > 0; count -= 8, to += 16) {
-    store(to, even, odd);
-    even = vaddq_s32(even, even_step);
-    odd = vaddq_s32(odd, odd_step);
-    even_step = vaddq_n_s32(even_step, 64 * ddu);
-    odd_step = vaddq_n_s32(odd_step, 64 * ddu);
-  }
-}
-
-// Eight pixels a turn, the last turn's lanes beyond `count` left alone. Along u, then along v, a channel as 32 a + (b - a) f; green is what red and
-// blue leave of the whole texel, modulo 2^16.
-[[gnu::always_inline]] inline void four_points(uint16_t* out, eight* from, int count, const texel565* corner, int32_t pitch) {
-  const texel565* const below = corner + pitch;
+// Eight pixels on a position gains 8 of its steps and 28 bends.
+[[gnu::always_inline]] inline void places_bent(eight* to, int count, const walk& at, const view& map) {
+  lanes u = lanes_of(at.u + map.u, at.du, at.ddu), v = lanes_of(at.v + map.v, at.dv, at.ddv);
+  uint32x4_t x;
   asm volatile(
       "dlstp.16 lr, %[n]\n"
-      "1: vldrh.u16 q0, [%[from]], #16\n"
-      "vldrh.u16 q1, [%[from]], #16\n"
-      "vshr.u16 q2, q0, #5\n"
-      "vshr.u16 q3, q1, #5\n"
-      "vmov.i16 q4, #31\n"
-      "vmla.u16 q2, q3, %[pitch]\n"  // texel
-      "vand q0, q0, q4\n"            // fu
-      "vand q1, q1, q4\n"            // fv
+      "1: vadd.i32 %q[x], %q[u], %q[du]\n"
+      "vsri.32 %q[x], %q[u], #16\n"
+      "vmla.u32 %q[u], %q[du], %[r8]\n"
+      "vadd.i32 %q[u], %q[u], %[ddu28]\n"
+      "vadd.i32 %q[du], %q[du], %[ddu8]\n"
+      "vstrh.16 %q[x], [%[to]], #16\n"
+      "vadd.i32 %q[x], %q[v], %q[dv]\n"
+      "vsri.32 %q[x], %q[v], #16\n"
+      "vmla.u32 %q[v], %q[dv], %[r8]\n"
+      "vadd.i32 %q[v], %q[v], %[ddv28]\n"
+      "vadd.i32 %q[dv], %q[dv], %[ddv8]\n"
+      "vstrh.16 %q[x], [%[to]], #16\n"
+      "letp lr, 1b\n"
+      : [to] "+r"(to), [u] "+w"(u.at), [v] "+w"(v.at), [du] "+w"(u.step), [dv] "+w"(v.step), [x] "=&w"(x)
+      : [n] "r"(count), [r8] "r"(8), [ddu8] "r"(at.ddu * 256), [ddv8] "r"(at.ddv * 256), [ddu28] "r"(at.ddu * 896), [ddv28] "r"(at.ddv * 896)
+      : "lr", "memory", "cc");
+}
+
+// clang-format off
+// Positions to q0 and q1, then weights; whole positions to q2 and q3.
+#define SPANTEX_WEIGHTS "vldrh.u16 q0, [%[from]], #16\n vldrh.u16 q1, [%[from]], #16\n vshr.u16 q2, q0, #5\n vshr.u16 q3, q1, #5\n" \
+                        "vmla.u16 q0, q2, %[m32]\n vmla.u16 q1, q3, %[m32]\n"
+// 32 a + (b - a) f; B may be TO.
+#define SPANTEX_LERP(TO, A, B, F) "vsub.i16 " TO ", " B ", " A "\n vmul.i16 " TO ", " TO ", " F "\n vmla.u16 " TO ", " A ", %[r32]\n"
+#define SPANTEX_SHIFT(A, B, N) "vshr.u16 " A ", " A ", #" N "\n vshr.u16 " B ", " B ", #" N "\n"
+// Sums modulo 2^16 of whole texels, of texels without blue, of red: along u from q3 and q4 into q5, q6, q4, then from q3 and q7, and along v, into q2, q5, q7.
+#define SPANTEX_UPPER SPANTEX_LERP("q5", "q3", "q4", "q0") SPANTEX_SHIFT("q3", "q4", "5") SPANTEX_LERP("q6", "q3", "q4", "q0") \
+                      SPANTEX_SHIFT("q3", "q4", "6") SPANTEX_LERP("q4", "q3", "q4", "q0")
+#define SPANTEX_LOWER SPANTEX_LERP("q2", "q3", "q7", "q0") SPANTEX_LERP("q2", "q5", "q2", "q1") \
+                      SPANTEX_SHIFT("q3", "q7", "5") SPANTEX_LERP("q5", "q3", "q7", "q0") SPANTEX_LERP("q5", "q6", "q5", "q1") \
+                      SPANTEX_SHIFT("q3", "q7", "6") SPANTEX_LERP("q7", "q3", "q7", "q0") SPANTEX_LERP("q7", "q4", "q7", "q1")
+// Less what is above them, those are blue, green, red, all below 2^16: rounded and packed.
+#define SPANTEX_PACK "vmla.u16 q2, q5, %[m32]\n vmla.u16 q5, q7, %[m64]\n vrshr.u16 q2, q2, #10\n vrshr.u16 q5, q5, #10\n vrshr.u16 q7, q7, #10\n" \
+                     "vsli.16 q2, q5, #5\n vsli.16 q2, q7, #11\n vstrh.16 q2, [%[out]], #16\n"
+// clang-format on
+
+// Eight pixels a turn, the last turn's lanes beyond `count` left alone.
+[[gnu::always_inline]] inline void four_points(uint16_t* out, const eight* from, int count, const view& map) {
+  const texel565* const below = map.texels + map.pitch;
+  asm volatile(
+      "dlstp.16 lr, %[n]\n"
+      "1:\n" SPANTEX_WEIGHTS
+      "vmla.u16 q2, q3, %[pitch]\n"
       "vldrh.u16 q3, [%[t00], q2, uxtw #1]\n"
-      "vldrh.u16 q5, [%[t10], q2, uxtw #1]\n"
-      "vstrh.16 q1, [%[from], #-16]\n"
-      "vshr.u16 q1, q3, #11\n"       // red
-      "vshr.u16 q6, q5, #11\n"
-      "vsub.i16 q6, q6, q1\n"
-      "vmul.i16 q6, q6, q0\n"
-      "vmla.u16 q6, q1, %[r32]\n"
-      "vand q1, q3, q4\n"            // blue
-      "vand q7, q5, q4\n"
-      "vsub.i16 q7, q7, q1\n"
-      "vmul.i16 q7, q7, q0\n"
-      "vmla.u16 q7, q1, %[r32]\n"
-      "vsub.i16 q5, q5, q3\n"        // all, less red, less blue: 32 green
-      "vmul.i16 q5, q5, q0\n"
-      "vmla.u16 q5, q3, %[r32]\n"
-      "vmla.u16 q5, q6, %[red]\n"
-      "vsub.i16 q5, q5, q7\n"
-      "vshr.u16 q5, q5, #5\n"
-      "vldrh.u16 q1, [%[t01], q2, uxtw #1]\n"
-      "vldrh.u16 q3, [%[t11], q2, uxtw #1]\n"
-      "vshr.u16 q2, q1, #11\n"
-      "vshr.u16 q4, q3, #11\n"
-      "vsub.i16 q4, q4, q2\n"
-      "vmul.i16 q4, q4, q0\n"
-      "vmla.u16 q4, q2, %[r32]\n"
-      "vldrh.u16 q2, [%[from], #-16]\n"
-      "vsub.i16 q4, q4, q6\n"
-      "vmlas.u16 q4, q2, %[half]\n"
-      "vmla.u16 q4, q6, %[r32]\n"    // red, done
-      "vbic.i16 q1, #0xF800\n"
-      "vbic.i16 q3, #0xF800\n"
-      "vmov.i16 q6, #31\n"
-      "vand q2, q1, q6\n"
-      "vand q6, q3, q6\n"
-      "vsub.i16 q6, q6, q2\n"
-      "vmul.i16 q6, q6, q0\n"
-      "vmla.u16 q6, q2, %[r32]\n"
-      "vsub.i16 q3, q3, q1\n"
-      "vmul.i16 q3, q3, q0\n"
-      "vmla.u16 q3, q1, %[r32]\n"
-      "vldrh.u16 q2, [%[from], #-16]\n"
-      "vsub.i16 q3, q3, q6\n"
-      "vshr.u16 q3, q3, #5\n"
-      "vsub.i16 q3, q3, q5\n"
-      "vmlas.u16 q3, q2, %[half]\n"
-      "vmla.u16 q3, q5, %[r32]\n"    // green, done
-      "vsub.i16 q6, q6, q7\n"
-      "vmlas.u16 q6, q2, %[half]\n"
-      "vmla.u16 q6, q7, %[r32]\n"    // blue, done
-      "vshl.i16 q4, q4, #1\n"
-      "vshl.i16 q6, q6, #1\n"
-      "vsri.16 q4, q3, #5\n"
-      "vsri.16 q4, q6, #11\n"
-      "vstrh.16 q4, [%[out]], #16\n"
+      "vldrh.u16 q4, [%[t10], q2, uxtw #1]\n" SPANTEX_UPPER
+      "vldrh.u16 q3, [%[t01], q2, uxtw #1]\n"
+      "vldrh.u16 q7, [%[t11], q2, uxtw #1]\n" SPANTEX_LOWER SPANTEX_PACK
       "letp lr, 1b\n"
       : [out] "+r"(out), [from] "+r"(from)
-      : [n] "r"(count), [pitch] "r"(pitch), [t00] "r"(corner), [t10] "r"(corner + 1), [t01] "r"(below), [t11] "r"(below + 1), [r32] "r"(32), [half] "r"(512),
-        [red] "r"(-2048)
+      : [n] "r"(count), [pitch] "r"(map.pitch), [t00] "r"(map.texels), [t10] "r"(map.texels + 1), [t01] "r"(below), [t11] "r"(below + 1), [r32] "r"(32),
+        [m32] "r"(-32), [m64] "r"(-64)
       : "q0", "q1", "q2", "q3", "q4", "q5", "q6", "q7", "lr", "memory", "cc");
 }
 
-// Positions are at least 0 from `corner`. One function: the vector registers of the caller are saved once.
-[[gnu::noinline]] inline void bilinear(uint16_t* out, int count, const walk& at, const texel565* corner, int32_t pitch, uint32_t* between) {
+// Both columns in q7 and q2, both rows in q3 and q6 are wrapped.
+[[gnu::always_inline]] inline void four_points_wrapped(uint16_t* out, const eight* from, int count, const view& map) {
+  asm volatile(
+      "dlstp.16 lr, %[n]\n"
+      "1:\n" SPANTEX_WEIGHTS
+      "vdup.16 q5, %[columns]\n"
+      "vand q7, q2, q5\n"
+      "vadd.i16 q2, q7, %[one]\n"
+      "vand q2, q2, q5\n"
+      "vdup.16 q5, %[rows]\n"
+      "vmul.i16 q3, q3, %[pitch]\n"
+      "vand q3, q3, q5\n"
+      "vadd.i16 q6, q3, %[pitch]\n"
+      "vand q6, q6, q5\n"
+      "vadd.i16 q5, q7, q3\n"
+      "vadd.i16 q3, q2, q3\n"
+      "vldrh.u16 q4, [%[texels], q3, uxtw #1]\n"
+      "vldrh.u16 q3, [%[texels], q5, uxtw #1]\n"
+      "vadd.i16 q7, q7, q6\n"
+      "vadd.i16 q2, q2, q6\n" SPANTEX_UPPER
+      "vldrh.u16 q3, [%[texels], q7, uxtw #1]\n"
+      "vldrh.u16 q7, [%[texels], q2, uxtw #1]\n" SPANTEX_LOWER SPANTEX_PACK
+      "letp lr, 1b\n"
+      : [out] "+r"(out), [from] "+r"(from)
+      : [n] "r"(count), [pitch] "r"(map.pitch), [texels] "r"(map.texels), [columns] "r"(map.columns), [rows] "r"(map.rows), [one] "r"(1), [r32] "r"(32),
+        [m32] "r"(-32), [m64] "r"(-64)
+      : "q0", "q1", "q2", "q3", "q4", "q5", "q6", "q7", "lr", "memory", "cc");
+}
+#undef SPANTEX_WEIGHTS
+#undef SPANTEX_LERP
+#undef SPANTEX_SHIFT
+#undef SPANTEX_UPPER
+#undef SPANTEX_LOWER
+#undef SPANTEX_PACK
+
+// One function: the vector registers of the caller are saved once.
+[[gnu::noinline]] inline void bilinear(uint16_t* out, int count, const walk& at, const view& map, uint32_t* between) {
   eight* const places = reinterpret_cast<eight*>(between);
-  if ((at.ddu | at.ddv) == 0) {
-    places_straight(places, count, at);
-  } else {
-    places_bent(places->u, count, at.u, at.du, at.ddu);
-    places_bent(places->v, count, at.v, at.dv, at.ddv);
-  }
-  four_points(out, places, count, corner, pitch);
+  if ((at.ddu | at.ddv) == 0) places_straight(places, count, at, map);
+  else places_bent(places, count, at, map);
+  if (map.columns == 0) four_points(out, places, count, map);
+  else four_points_wrapped(out, places, count, map);
 }
 
 }  // namespace spantex::rows::mve

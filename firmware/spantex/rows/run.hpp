@@ -23,6 +23,11 @@ constexpr level_view level_of(const texture_view& t, int level) {
   return {t.numbers(level), t.width(level), t.height(level), t.wrap_u(), t.wrap_v()};
 }
 
+// A map that repeats in powers of two: whole positions wrap by masks.
+constexpr bool wraps_by_mask(const level_view& t) {
+  return t.wrap_u == wrap::repeat && t.wrap_v == wrap::repeat && (t.width & (t.width - 1)) == 0 && (t.height & (t.height - 1)) == 0;
+}
+
 // Positions along a run on one level: whole texels, and a walk relative to them.
 struct level_walk {
   int32_t base_u, base_v;
@@ -166,8 +171,23 @@ inline void run(uint16_t* out, int count, const walk& at, const source& s, scrat
   else bilinear_run(out, count, at, s, between);
 }
 
+#if SPANTEX_ROWS_MVE
+// A level that lanes wrap: its runs are not cut. Positions are to be relative to texel 0.
+inline bool wrapped_view(const level_view& t, int32_t base_u, int32_t base_v, mve::view& out) {
+  if (!wraps_by_mask(t) || t.width < 2 || t.width * t.height > 1 << 16 || max_of(t.width, t.height) > mve::longest_side) return false;
+  out = {t.texels, t.width, uint16_t(t.width - 1), uint16_t((t.height - 1) * t.width), int32_t(uint32_t(base_u) << 16), int32_t(uint32_t(base_v) << 16)};
+  return true;
+}
+#endif
+
 template <filter Kind>
 [[gnu::noinline]] inline void draw_level(uint16_t* out, int count, const level_view& t, level_walk& w, scratch& between) {
+#if SPANTEX_ROWS_MVE
+  if constexpr (Kind == filter::bilinear) {
+    mve::view map;
+    if (wrapped_view(t, w.base_u, w.base_v, map)) return mve::bilinear(out, count, w.at, map, between.words);
+  }
+#endif
   while (count > 0) {
     source s;
     int n = detail::run_within(t, w, count, Kind == filter::nearest ? 0 : 1, s);
@@ -178,11 +198,6 @@ template <filter Kind>
     count -= n;
     if (count > 0) detail::go_on(w.at, n);
   }
-}
-
-// A map that repeats in powers of two: whole positions wrap by masks.
-constexpr bool wraps_by_mask(const level_view& t) {
-  return t.wrap_u == wrap::repeat && t.wrap_v == wrap::repeat && (t.width & (t.width - 1)) == 0 && (t.height & (t.height - 1)) == 0;
 }
 
 inline uint16_t pixel_between(const level_view& fine, const level_view& coarse, const level_walk& w, int32_t level) {
@@ -249,6 +264,14 @@ inline bool source_of_block(const block& b, const level_view& t, int level, int 
   box_of_block(b, level, w, x);
   return source_of(t, x.u, x.v, base_on(level, b.u.base), base_on(level, b.v.base), neighbour, out);
 }
+#if SPANTEX_ROWS_MVE
+// As lanes see it, if their offsets fit.
+inline bool view_of(const box& x, const source& s, mve::view& out) {
+  const int32_t u = x.u.low >> 16, v = x.v.low >> 16, pitch = s.pitch_bytes / 2;
+  out = {s.origin + (v * pitch + u), pitch, 0, 0, -u * (1 << 16), -v * (1 << 16)};
+  return mve::offsets_fit((x.v.high >> 16) - v + 2, pitch);
+}
+#endif
 // Likewise for the level after `level`.
 inline bool source_of_coarser(const block& b, const level_view& t, int level, walk& w, box& x, source& out) {
   box_of_block(b, level, w, x);
