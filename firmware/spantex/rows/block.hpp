@@ -161,54 +161,66 @@ SPANTEX_FRAME_APART constexpr bool is_behind(const plane& p, int32_t bx, int32_t
 
 namespace detail {
 
+// Formulas of rows below: Int is a row's number, or a vector of several.
 // 1/(1 + e) = 1 - q, four terms; e and q 2^-17, |e| <= 1/8: off by less than 2^-14.8.
-constexpr int32_t series_of(int32_t e) {
-  int32_t q = e;
+template <class Int>
+constexpr Int series_of(Int e) {
+  Int q = e;
   for (int n = 0; n < 3; ++n) q = e - (e * q >> 17);
   return q;
 }
 
 // 1 - 1/w, 2^-17; 1 - 1/w^2, 2^-16; g / w; 3/4 (g X / w)^2, 2^-15.
-struct row_terms { int32_t q, q2, g, third; };
+template <class Int>
+struct row_terms { Int q, q2, g, third; };
 
 // One coordinate of a row: position and derivative by hx at its middle, then where it starts and how it goes on.
-struct row_axis { int32_t start, step, bend; };
-template <bool Bent>
+template <class Int>
+struct row_axis { Int start, step, bend; };
+template <bool Bent, class Int>
 #ifndef __OPTIMIZE_SIZE__
 [[gnu::always_inline]]
 #endif
-constexpr row_axis axis_at(const block_axis& x, int32_t hy, const row_terms& t, int k) {
-  const int32_t reach = reach_of(k), n = x.c + (x.b * hy >> k), s = x.slope + x.twist * hy;
-  const int32_t slope = s - ((s >> 9) * t.q2 >> 7);
-  const int32_t position = n - ((n >> 8) * t.q >> 9) + x.offset;
-  int32_t half = slope >> k;
-  if constexpr (!Bent) return {position - reach * half, 2 * half, 0};
-  const int32_t bend = shift_right(-((slope >> 9) * t.g), 4 + 2 * k);
+constexpr row_axis<Int> axis_at(const block_axis& x, Int hy, const row_terms<Int>& t, int k) {
+  const int32_t reach = reach_of(k);
+  const Int n = x.c + (x.b * hy >> k), s = x.slope + x.twist * hy;
+  const Int slope = s - ((s >> 9) * t.q2 >> 7);
+  const Int position = n - ((n >> 8) * t.q >> 9) + x.offset;
+  Int half = slope >> k;
+  if constexpr (!Bent) return {position - reach * half, 2 * half, Int{}};
+  const Int bend = ((int32_t(8) << 2 * k) - (slope >> 9) * t.g) >> (4 + 2 * k);  // to nearest
   half = (slope + ((slope >> 9) * t.third >> 6)) >> k;
   return {position - reach * half + (reach * reach * bend >> 3), 2 * half - (reach >> 1) * bend, bend};
+}
+
+// Rows j of a block with k > 0.
+template <class Int, class Walk>
+#ifndef __OPTIMIZE_SIZE__
+[[gnu::always_inline]]
+#endif
+constexpr void rows_at(const block& b, Int j, Walk& out) {
+  const int k = b.k;
+  const int32_t reach = reach_of(k);
+  const Int hy = 2 * j - reach, q = series_of<Int>(b.h * hy >> (k - 1));
+  row_terms<Int> t;
+  t.q = q;
+  t.q2 = q - (q * q >> 18);
+  const auto both = [&](const row_axis<Int>& u, const row_axis<Int>& v) { out = {u.start, v.start, u.step, v.step, u.bend, v.bend}; };
+#ifndef __OPTIMIZE_SIZE__  // what comes of the rest, sooner
+  if (b.g == 0) return both(axis_at<false>(b.u, hy, t, k), axis_at<false>(b.v, hy, t, k));
+#endif
+  t.g = b.g - (b.g * q >> 17);
+  const Int e = t.g * reach >> (k + 1);  // 2^-15
+  t.third = 3 * (e * e >> 15) >> 2;
+  both(axis_at<true>(b.u, hy, t, k), axis_at<true>(b.v, hy, t, k));
 }
 
 }  // namespace detail
 
 // Row j of a block.
-constexpr void row_at(const block& b, int j, walk& out) {
-  if (b.k == 0) {
-    out = {b.u.c + b.u.offset, b.v.c + b.v.offset, 0, 0, 0, 0};
-    return;
-  }
-  const int k = b.k;
-  const int32_t reach = reach_of(k), hy = 2 * j - reach, q = detail::series_of(b.h * hy >> (k - 1));
-  detail::row_terms t;
-  t.q = q;
-  t.q2 = q - (q * q >> 18);
-  const auto both = [&](const detail::row_axis& u, const detail::row_axis& v) { out = {u.start, v.start, u.step, v.step, u.bend, v.bend}; };
-#ifndef __OPTIMIZE_SIZE__  // what comes of the rest, sooner
-  if (b.g == 0) return both(detail::axis_at<false>(b.u, hy, t, k), detail::axis_at<false>(b.v, hy, t, k));
-#endif
-  t.g = b.g - (b.g * q >> 17);
-  const int32_t e = t.g * reach >> (k + 1);  // 2^-15
-  t.third = 3 * (e * e >> 15) >> 2;
-  both(detail::axis_at<true>(b.u, hy, t, k), detail::axis_at<true>(b.v, hy, t, k));
+constexpr void row_at(const block& b, int32_t j, walk& out) {
+  if (b.k == 0) out = {b.u.c + b.u.offset, b.v.c + b.v.offset, 0, 0, 0, 0};
+  else detail::rows_at(b, j, out);
 }
 
 // Level of detail along row j, s.16: linear in the block. 2/ln 2 = 23637/8192.

@@ -135,6 +135,9 @@ class painter {
     } else {
       if (!place(x0 >> k, y0 >> k, k, b)) return is_behind(plane_, x0 >> k, y0 >> k, k);
     }
+#if SPANTEX_ROWS_MVE
+    rows_made_ = -1;
+#endif
     const block_part part{x0, y0, int8_t(left), int8_t(right), int8_t(top), int8_t(bottom)};
     if constexpr (Map == map_kind::repeats_in_powers_of_two) draw_masked(b, part);
     else if constexpr (uses_levels(Kind)) draw_with_levels(b, part);
@@ -163,8 +166,20 @@ class painter {
   }
 
   // Row j from pixel `first`, on a level for which offsets are set.
-  [[gnu::always_inline]] static void walk_from(const block& b, int j, int first, int level, walk& w) {
+  [[gnu::always_inline]] void walk_from(const block& b, int j, int first, int level, walk& w) {
+#if SPANTEX_ROWS_MVE
+    if (b.k < 2) {
+      row_at(b, j, w);
+    } else {
+      if ((j & ~3) != rows_made_) {
+        rows_made_ = j & ~3;
+        mve::rows_at(b, rows_made_, memory_.rows);
+      }
+      w = memory_.rows[j & 3];
+    }
+#else
     row_at(b, j, w);
+#endif
     if (level != b.unit_log2) w = detail::scaled(w, level - b.unit_log2);
     if (first != 0) w = advanced(w, first);
   }
@@ -264,6 +279,9 @@ class painter {
   rectangle area_;
   Cover cover_;
   bool masked_;
+#if SPANTEX_ROWS_MVE
+  int rows_made_;  // the first of the four in memory
+#endif
 };
 
 // What a map must be. Errors: out_of_range (its format, a filter that rows do not have), bad_levels (sides that do not halve exactly).

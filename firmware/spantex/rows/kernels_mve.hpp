@@ -10,6 +10,19 @@
 
 namespace spantex::rows::mve {
 
+// Four rows of a block at once, from row j; k > 1.
+[[gnu::noinline]] inline void rows_at(const block& b, int32_t j, walk* out) {
+  struct { int32x4_t u, v, du, dv, ddu, ddv; } four;
+  detail::rows_at(b, vreinterpretq_s32_u32(vidupq_n_u32(uint32_t(j), 1)), four);
+  const uint32x4_t to = vaddq_n_u32(vmulq_n_u32(vidupq_n_u32(0, 1), sizeof(walk)), uint32_t(reinterpret_cast<uintptr_t>(out)));
+  vstrwq_scatter_base_s32(to, 0, four.u);
+  vstrwq_scatter_base_s32(to, 4, four.v);
+  vstrwq_scatter_base_s32(to, 8, four.du);
+  vstrwq_scatter_base_s32(to, 12, four.dv);
+  vstrwq_scatter_base_s32(to, 16, four.ddu);
+  vstrwq_scatter_base_s32(to, 20, four.ddv);
+}
+
 // A map as lanes address it: offsets of 16 bits from `texels`, positions of 11 bits and 5 of fraction.
 struct view {
   const texel565* texels;

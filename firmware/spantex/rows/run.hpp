@@ -288,6 +288,9 @@ struct state {
   level_view fine, coarse;
   level_walk at;
   uint32_t masks[1 << largest_block_log2];  // of its rows; polygons
+#if SPANTEX_ROWS_MVE
+  walk rows[4];
+#endif
   scratch between;
 };
 
