@@ -166,22 +166,21 @@ class painter {
   }
 
   // Row j from pixel `first`, on a level for which offsets are set.
-  [[gnu::always_inline]] void walk_from(const block& b, int j, int first, int level, walk& w) {
+  [[gnu::always_inline]] walk& walk_from(const block& b, int j, int first, int level) {
 #if SPANTEX_ROWS_MVE
-    if (b.k < 2) {
-      row_at(b, j, w);
-    } else {
-      if ((j & ~3) != rows_made_) {
-        rows_made_ = j & ~3;
-        mve::rows_at(b, rows_made_, memory_.rows);
-      }
-      w = memory_.rows[j & 3];
+    if ((j & ~3) != rows_made_) {
+      rows_made_ = j & ~3;
+      if (b.k == 0) row_at(b, j, memory_.rows[0]);
+      else mve::rows_at(b, rows_made_, memory_.rows);
     }
+    walk& w = memory_.rows[j & 3];
 #else
+    walk& w = memory_.at.at;
     row_at(b, j, w);
 #endif
     if (level != b.unit_log2) w = detail::scaled(w, level - b.unit_log2);
     if (first != 0) w = advanced(w, first);
+    return w;
   }
 
   // All pixels on one level. False, with offsets set, if its borders cut the block.
@@ -190,21 +189,20 @@ class painter {
     const level_view& t = memory_.fine = level_of(map_, level);
     source s{};
     detail::set_offsets(b, level, offset);
-    if (!detail::source_of_block(b, t, level, kind == filter::nearest ? 0 : 1, memory_.at.at, memory_.reach, s)) return false;
+    const bool whole = detail::source_of_block(b, t, level, kind == filter::nearest ? 0 : 1, memory_.at.at, memory_.reach, s);
 #if SPANTEX_ROWS_MVE
-    mve::view map;
-    if (kind == filter::bilinear && detail::view_of(memory_.reach, s, map)) {
-      each_row(part, [&](texel565* out, int first, int count, int j) {
-        walk_from(b, j, first, level, memory_.at.at);
-        mve::bilinear(out, count, memory_.at.at, map, memory_.between.words);
-      });
-      return true;
+    if constexpr (kind == filter::bilinear) {
+      mve::view map;
+      if (whole ? detail::view_of(memory_.reach, s, map) : wrapped_view(t, detail::base_on(level, b.u.base), detail::base_on(level, b.v.base), map)) {
+        each_row(part, [&](texel565* out, int first, int count, int j) {
+          mve::bilinear(out, count, walk_from(b, j, first, level), map, memory_.between.words);
+        });
+        return true;
+      }
     }
 #endif
-    each_row(part, [&](texel565* out, int first, int count, int j) {
-      walk_from(b, j, first, level, memory_.at.at);
-      run<kind>(out, count, memory_.at.at, s, memory_.between);
-    });
+    if (!whole) return false;
+    each_row(part, [&](texel565* out, int first, int count, int j) { run<kind>(out, count, walk_from(b, j, first, level), s, memory_.between); });
     return true;
   }
   SPANTEX_FRAME_APART void draw_cut_at_borders(block& b, const block_part& part, int level) {
@@ -213,7 +211,7 @@ class painter {
     memory_.at.base_u = detail::base_on(level, b.u.base);
     memory_.at.base_v = detail::base_on(level, b.v.base);
     each_row(part, [&](texel565* out, int first, int count, int j) {
-      walk_from(b, j, first, level, memory_.at.at);
+      memory_.at.at = walk_from(b, j, first, level);
       draw_level<kind>(out, count, memory_.fine, memory_.at, memory_.between);
     });
   }
@@ -225,8 +223,7 @@ class painter {
     const uint32_t masks = uint32_t(map_.height() - 1) << 16 | uint32_t(map_.width() - 1);
     const source s{map_.numbers(0), 2 * map_.width()};
     each_row(part, [&](texel565* out, int first, int count, int j) {
-      walk_from(b, j, first, 0, memory_.at.at);
-      nearest_masked_run(out, count, memory_.at.at, s, masks);
+      nearest_masked_run(out, count, walk_from(b, j, first, 0), s, masks);
     });
   }
 
@@ -250,7 +247,7 @@ class painter {
   template <class Row>
   [[gnu::always_inline]] void each_row_with_level(block& b, const block_part& part, int level, const Row& draw_row) {
     each_row(part, [&](texel565* out, int first, int count, int j) {
-      walk_from(b, j, first, level, memory_.at.at);
+      memory_.at.at = walk_from(b, j, first, level);
       level_run d = level_row_at(b, j);
       d.start += first * d.step + detail::level_rounding(Kind);
       draw_row(out, count, d);

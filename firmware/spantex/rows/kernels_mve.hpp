@@ -10,7 +10,7 @@
 
 namespace spantex::rows::mve {
 
-// Four rows of a block at once, from row j; k > 1.
+// Four rows of a block at once, from row j; k > 0.
 [[gnu::noinline]] inline void rows_at(const block& b, int32_t j, walk* out) {
   struct { int32x4_t u, v, du, dv, ddu, ddv; } four;
   detail::rows_at(b, vreinterpretq_s32_u32(vidupq_n_u32(uint32_t(j), 1)), four);
@@ -38,16 +38,12 @@ constexpr bool offsets_fit(int32_t rows, int32_t pitch) { return rows * pitch <=
 // Eight pixels' positions between the two loops, in their order.
 struct eight { uint16_t u[8], v[8]; };
 
-// One coordinate of pixels 0 2 4 6 and the steps to 1 3 5 7, 2^-21 texel.
-struct lanes { uint32x4_t at, step; };
-[[gnu::always_inline]] inline lanes lanes_of(int32_t start, int32_t step, int32_t bend) {
-  const uint32x4_t i = vidupq_n_u32(0, 2), pairs = vshrq_n_u32(vmulq_u32(i, vsubq_n_u32(i, 1)), 1);
-  const uint32x4_t walked = vaddq_u32(vmulq_n_u32(i, uint32_t(step)), vmulq_n_u32(pairs, uint32_t(bend)));
-  return {vshlq_n_u32(vaddq_n_u32(walked, uint32_t(start)), 5), vshlq_n_u32(vaddq_n_u32(vmulq_n_u32(i, uint32_t(bend)), uint32_t(step)), 5)};
-}
+// Lanes are pixels 0 2 4 6; 2^-21 texel.
+[[gnu::always_inline]] inline uint32x4_t lanes_of(int32_t start, int32_t step, uint32x4_t i) { return vaddq_n_u32(vmulq_n_u32(i, uint32_t(step * 32)), uint32_t(start) * 32); }
 
 [[gnu::always_inline]] inline void places_straight(eight* to, int count, const walk& at, const view& map) {
-  uint32x4_t u = lanes_of(at.u + map.u, at.du, 0).at, v = lanes_of(at.v + map.v, at.dv, 0).at, x;
+  const uint32x4_t i = vidupq_n_u32(0, 2);
+  uint32x4_t u = lanes_of(at.u + map.u, at.du, i), v = lanes_of(at.v + map.v, at.dv, i), x;
   asm volatile(
       "dlstp.16 lr, %[n]\n"
       "1: vadd.i32 %q[x], %q[u], %[du]\n"
@@ -66,8 +62,9 @@ struct lanes { uint32x4_t at, step; };
 
 // Eight pixels on a position gains 8 of its steps and 28 bends.
 [[gnu::always_inline]] inline void places_bent(eight* to, int count, const walk& at, const view& map) {
-  lanes u = lanes_of(at.u + map.u, at.du, at.ddu), v = lanes_of(at.v + map.v, at.dv, at.ddv);
-  uint32x4_t x;
+  const uint32x4_t i = vidupq_n_u32(0, 2), pairs = vshrq_n_u32(vmulq_u32(i, vsubq_n_u32(i, 1)), 1);
+  uint32x4_t u = vaddq_u32(lanes_of(at.u + map.u, at.du, i), vmulq_n_u32(pairs, uint32_t(at.ddu * 32))), du = lanes_of(at.du, at.ddu, i);
+  uint32x4_t v = vaddq_u32(lanes_of(at.v + map.v, at.dv, i), vmulq_n_u32(pairs, uint32_t(at.ddv * 32))), dv = lanes_of(at.dv, at.ddv, i), x;
   asm volatile(
       "dlstp.16 lr, %[n]\n"
       "1: vadd.i32 %q[x], %q[u], %q[du]\n"
@@ -83,7 +80,7 @@ struct lanes { uint32x4_t at, step; };
       "vadd.i32 %q[dv], %q[dv], %[ddv8]\n"
       "vstrh.16 %q[x], [%[to]], #16\n"
       "letp lr, 1b\n"
-      : [to] "+r"(to), [u] "+w"(u.at), [v] "+w"(v.at), [du] "+w"(u.step), [dv] "+w"(v.step), [x] "=&w"(x)
+      : [to] "+r"(to), [u] "+w"(u), [v] "+w"(v), [du] "+w"(du), [dv] "+w"(dv), [x] "=&w"(x)
       : [n] "r"(count), [r8] "r"(8), [ddu8] "r"(at.ddu * 256), [ddv8] "r"(at.ddv * 256), [ddu28] "r"(at.ddu * 896), [ddv28] "r"(at.ddv * 896)
       : "lr", "memory", "cc");
 }
