@@ -195,10 +195,7 @@ constexpr row_axis<Int> axis_at(const block_axis& x, Int hy, const row_terms<Int
 
 // Rows j of a block with k > 0.
 template <class Int, class Walk>
-#ifndef __OPTIMIZE_SIZE__
-[[gnu::always_inline]]
-#endif
-constexpr void rows_at(const block& b, Int j, Walk& out) {
+[[gnu::always_inline]] constexpr void rows_at(const block& b, Int j, Walk& out) {
   const int k = b.k;
   const int32_t reach = reach_of(k);
   const Int hy = 2 * j - reach, q = series_of<Int>(b.h * hy >> (k - 1));

@@ -182,6 +182,11 @@ class painter {
     if (first != 0) w = advanced(w, first);
     return w;
   }
+  // The same in memory_.at, for runs that are cut.
+  [[gnu::always_inline]] void walk_on_from(const block& b, int j, int first, int level) {
+    [[maybe_unused]] const walk& w = walk_from(b, j, first, level);
+    if constexpr (SPANTEX_ROWS_MVE) memory_.at.at = w;
+  }
 
   // All pixels on one level. False, with offsets set, if its borders cut the block.
   [[gnu::noinline]] bool draw_with_level(block& b, const block_part& part, int level, int32_t offset) {
@@ -211,7 +216,7 @@ class painter {
     memory_.at.base_u = detail::base_on(level, b.u.base);
     memory_.at.base_v = detail::base_on(level, b.v.base);
     each_row(part, [&](texel565* out, int first, int count, int j) {
-      memory_.at.at = walk_from(b, j, first, level);
+      walk_on_from(b, j, first, level);
       draw_level<kind>(out, count, memory_.fine, memory_.at, memory_.between);
     });
   }
@@ -247,7 +252,7 @@ class painter {
   template <class Row>
   [[gnu::always_inline]] void each_row_with_level(block& b, const block_part& part, int level, const Row& draw_row) {
     each_row(part, [&](texel565* out, int first, int count, int j) {
-      memory_.at.at = walk_from(b, j, first, level);
+      walk_on_from(b, j, first, level);
       level_run d = level_row_at(b, j);
       d.start += first * d.step + detail::level_rounding(Kind);
       draw_row(out, count, d);
