@@ -197,8 +197,8 @@ class painter {
     const bool whole = detail::source_of_block(b, t, level, kind == filter::nearest ? 0 : 1, memory_.at.at, memory_.reach, s);
 #if SPANTEX_ROWS_MVE
     if constexpr (kind == filter::bilinear) {
-      mve::view map;
-      if (whole ? detail::view_of(memory_.reach, s, map) : wrapped_view(t, detail::base_on(level, b.u.base), detail::base_on(level, b.v.base), map)) {
+      mve::source map;
+      if (whole ? detail::vector_source(memory_.reach, s, map) : wrapped_source(t, detail::base_on(level, b.u.base), detail::base_on(level, b.v.base), map)) {
         each_row(part, [&](texel565* out, int first, int count, int j) {
           mve::bilinear(out, count, walk_from(b, j, first, level), map, memory_.between.words);
         });

@@ -24,7 +24,7 @@ namespace spantex::rows::mve {
 }
 
 // A map as lanes address it: offsets of 16 bits from `texels`, positions of 11 bits and 5 of fraction.
-struct view {
+struct source {
   const texel565* texels;
   int32_t pitch;
   uint16_t columns, rows;  // whole positions are wrapped by masks: width - 1, (height - 1) * pitch; 0 if none has to be
@@ -41,7 +41,7 @@ struct eight { uint16_t u[8], v[8]; };
 // Lanes are pixels 0 2 4 6; 2^-21 texel.
 [[gnu::always_inline]] inline uint32x4_t lanes_of(int32_t start, int32_t step, uint32x4_t i) { return vaddq_n_u32(vmulq_n_u32(i, uint32_t(step * 32)), uint32_t(start) * 32); }
 
-[[gnu::always_inline]] inline void places_straight(eight* to, int count, const walk& at, const view& map) {
+[[gnu::always_inline]] inline void places_straight(eight* to, int count, const walk& at, const source& map) {
   const uint32x4_t i = vidupq_n_u32(0, 2);
   uint32x4_t u = lanes_of(at.u + map.u, at.du, i), v = lanes_of(at.v + map.v, at.dv, i), x;
   asm volatile(
@@ -61,7 +61,7 @@ struct eight { uint16_t u[8], v[8]; };
 }
 
 // Eight pixels on a position gains 8 of its steps and 28 bends.
-[[gnu::always_inline]] inline void places_bent(eight* to, int count, const walk& at, const view& map) {
+[[gnu::always_inline]] inline void places_bent(eight* to, int count, const walk& at, const source& map) {
   const uint32x4_t i = vidupq_n_u32(0, 2), pairs = vshrq_n_u32(vmulq_u32(i, vsubq_n_u32(i, 1)), 1);
   uint32x4_t u = vaddq_u32(lanes_of(at.u + map.u, at.du, i), vmulq_n_u32(pairs, uint32_t(at.ddu * 32))), du = lanes_of(at.du, at.ddu, i);
   uint32x4_t v = vaddq_u32(lanes_of(at.v + map.v, at.dv, i), vmulq_n_u32(pairs, uint32_t(at.ddv * 32))), dv = lanes_of(at.dv, at.ddv, i), x;
@@ -104,7 +104,7 @@ struct eight { uint16_t u[8], v[8]; };
 // clang-format on
 
 // Eight pixels a turn, the last turn's lanes beyond `count` left alone.
-[[gnu::always_inline]] inline void four_points(uint16_t* out, const eight* from, int count, const view& map) {
+[[gnu::always_inline]] inline void four_points(uint16_t* out, const eight* from, int count, const source& map) {
   const texel565* const below = map.texels + map.pitch;
   asm volatile(
       "dlstp.16 lr, %[n]\n"
@@ -122,7 +122,7 @@ struct eight { uint16_t u[8], v[8]; };
 }
 
 // Both columns in q7 and q2, both rows in q3 and q6 are wrapped.
-[[gnu::always_inline]] inline void four_points_wrapped(uint16_t* out, const eight* from, int count, const view& map) {
+[[gnu::always_inline]] inline void four_points_wrapped(uint16_t* out, const eight* from, int count, const source& map) {
   asm volatile(
       "dlstp.16 lr, %[n]\n"
       "1:\n" SPANTEX_WEIGHTS
@@ -157,7 +157,7 @@ struct eight { uint16_t u[8], v[8]; };
 #undef SPANTEX_PACK
 
 // One function: the vector registers of the caller are saved once.
-[[gnu::noinline]] inline void bilinear(uint16_t* out, int count, const walk& at, const view& map, uint32_t* between) {
+[[gnu::noinline]] inline void bilinear(uint16_t* out, int count, const walk& at, const source& map, uint32_t* between) {
   eight* const places = reinterpret_cast<eight*>(between);
   if ((at.ddu | at.ddv) == 0) places_straight(places, count, at, map);
   else places_bent(places, count, at, map);

@@ -173,7 +173,7 @@ inline void run(uint16_t* out, int count, const walk& at, const source& s, scrat
 
 #if SPANTEX_ROWS_MVE
 // A level that lanes wrap: its runs are not cut. Positions are to be relative to texel 0.
-inline bool wrapped_view(const level_view& t, int32_t base_u, int32_t base_v, mve::view& out) {
+inline bool wrapped_source(const level_view& t, int32_t base_u, int32_t base_v, mve::source& out) {
   if (!wraps_by_mask(t) || t.width < 2 || t.width * t.height > 1 << 16 || max_of(t.width, t.height) > mve::longest_side) return false;
   out = {t.texels, t.width, uint16_t(t.width - 1), uint16_t((t.height - 1) * t.width), int32_t(uint32_t(base_u) << 16), int32_t(uint32_t(base_v) << 16)};
   return true;
@@ -184,8 +184,8 @@ template <filter Kind>
 [[gnu::noinline]] inline void draw_level(uint16_t* out, int count, const level_view& t, level_walk& w, scratch& between) {
 #if SPANTEX_ROWS_MVE
   if constexpr (Kind == filter::bilinear) {
-    mve::view map;
-    if (wrapped_view(t, w.base_u, w.base_v, map)) return mve::bilinear(out, count, w.at, map, between.words);
+    mve::source map;
+    if (wrapped_source(t, w.base_u, w.base_v, map)) return mve::bilinear(out, count, w.at, map, between.words);
   }
 #endif
   while (count > 0) {
@@ -266,7 +266,7 @@ inline bool source_of_block(const block& b, const level_view& t, int level, int 
 }
 #if SPANTEX_ROWS_MVE
 // As lanes see it, if their offsets fit.
-inline bool view_of(const box& x, const source& s, mve::view& out) {
+inline bool vector_source(const box& x, const source& s, mve::source& out) {
   const int32_t u = x.u.low >> 16, v = x.v.low >> 16, pitch = s.pitch_bytes / 2;
   out = {s.origin + (v * pitch + u), pitch, 0, 0, -u * (1 << 16), -v * (1 << 16)};
   return mve::offsets_fit((x.v.high >> 16) - v + 2, pitch);
