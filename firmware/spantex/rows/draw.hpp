@@ -198,7 +198,7 @@ class painter {
 #if SPANTEX_ROWS_MVE
     if constexpr (kind == filter::bilinear) {
       mve::source map;
-      if (whole ? detail::vector_source(memory_.reach, s, map) : wrapped_source(t, detail::base_on(level, b.u.base), detail::base_on(level, b.v.base), map)) {
+      if (whole ? detail::lanes_within(memory_.reach, s, map) : detail::lanes_wrapped(t, detail::base_on(level, b.u.base), detail::base_on(level, b.v.base), map)) {
         each_row(part, [&](texel565* out, int first, int count, int j) {
           mve::bilinear(out, count, walk_from(b, j, first, level), map, memory_.between.words);
         });

@@ -108,7 +108,7 @@ inline void nearest_masked_run(uint16_t* out, int count, const walk& from, const
 }
 
 // Snapped positions (sample.hpp).
-[[gnu::noinline]] inline void bilinear_run_by_ones(uint16_t* out, int count, const walk& from, const source& s, scratch& between) {
+[[gnu::noinline]] inline void bilinear_run(uint16_t* out, int count, const walk& from, const source& s, scratch& between) {
 #if SPANTEX_ROWS_DSP
   if ((from.ddu | from.ddv) == 0) dsp::weighted_places_straight(between.words, count, from, detail::address(s), detail::to_bytes(s));
   else dsp::weighted_places(between.words, count, from, detail::address(s), detail::to_bytes(s));
@@ -124,44 +124,6 @@ inline void nearest_masked_run(uint16_t* out, int count, const walk& from, const
     *out++ = uint16_t((rb >> 26) << 11 | (g >> 10) << 5 | (rb >> 10 & 31));
   }
 #endif
-}
-
-#if SPANTEX_ROWS_MVE
-namespace detail {
-
-// Offsets of lanes are unsigned: from the corner of the run's box. False if they do not fit, or if the run is short.
-SPANTEX_WRAPS inline bool vectors_take(uint16_t* out, int count, const walk& from, const source& s, scratch& between) {
-  if (count < 5) return false;
-  const int32_t n = count - 1;
-  int32_t u = from.u + n * from.du, v0 = from.v, v1 = v0 + n * from.dv;
-  if ((from.ddu | from.ddv) != 0) {  // a parabola passes its ends by bend n^2 / 8 at most
-    u += n * (n - 1) / 2 * from.ddu;
-    v1 += n * (n - 1) / 2 * from.ddv;
-  }
-  u = min_of(u, from.u);
-  if (v0 > v1) { const int32_t other = v0; v0 = v1; v1 = other; }
-  if ((from.ddu | from.ddv) != 0) {
-    const int32_t square = count * count / 8, more = int32_t(magnitude(from.ddv)) * square;
-    u -= int32_t(magnitude(from.ddu)) * square;
-    v0 -= more;
-    v1 += more;
-  }
-  u >>= 16;
-  v0 >>= 16;
-  const int32_t rows = (v1 >> 16) - v0 + 2, pitch = s.pitch_bytes / 2;
-  if (!mve::offsets_fit(rows, pitch)) return false;
-  mve::bilinear(out, count, from, {s.origin + (v0 * pitch + u), pitch, 0, 0, -u * (1 << 16), -v0 * (1 << 16)}, between.words);
-  return true;
-}
-
-}  // namespace detail
-#endif
-
-inline void bilinear_run(uint16_t* out, int count, const walk& from, const source& s, scratch& between) {
-#if SPANTEX_ROWS_MVE
-  if (detail::vectors_take(out, count, from, s, between)) return;
-#endif
-  bilinear_run_by_ones(out, count, from, s, between);
 }
 
 [[gnu::noinline]] inline void three_point_run(uint16_t* out, int count, const walk& from, const source& s, scratch& between) {

@@ -54,6 +54,7 @@ constexpr walk scaled(const walk& w, int down) {
 constexpr int32_t coarser(int32_t fine) { return (fine + snap) >> 1; }
 
 struct interval { int32_t low, high; };
+struct box { interval u, v; };
 
 // Positions along `count` pixels. A parabola that turns within the run passes its ends by at most bend n^2 / 8.
 constexpr interval reach_along(int32_t start, int32_t step, int32_t bend, int count) {
@@ -150,6 +151,21 @@ inline texels wrapped_texels(const level_view& t, int32_t x, int32_t y) {
   return {top[x0], top[x1], bottom[x0], bottom[x1]};
 }
 
+#if SPANTEX_ROWS_MVE
+// Where lanes read positions that lie in a box, in one copy of the level. False if their offsets do not fit.
+inline bool lanes_within(const box& x, const source& s, mve::source& out) {
+  const int32_t u = x.u.low >> 16, v = x.v.low >> 16, pitch = s.pitch_bytes / 2;
+  out = {s.origin + (v * pitch + u), pitch, 0, 0, -u * (1 << 16), -v * (1 << 16)};
+  return mve::offsets_fit((x.v.high >> 16) - v + 2, pitch);
+}
+// Any positions, which lanes wrap.
+inline bool lanes_wrapped(const level_view& t, int32_t base_u, int32_t base_v, mve::source& out) {
+  if (!wraps_by_mask(t) || t.width < 2 || t.width * t.height > 1 << 16 || max_of(t.width, t.height) > mve::longest_side) return false;
+  out = {t.texels, t.width, uint16_t(t.width - 1), uint16_t((t.height - 1) * t.width), int32_t(uint32_t(base_u) << 16), int32_t(uint32_t(base_v) << 16)};
+  return true;
+}
+#endif
+
 }  // namespace detail
 
 // Filters of one level.
@@ -170,13 +186,13 @@ inline void run(uint16_t* out, int count, const walk& at, const source& s, scrat
   else if constexpr (Kind == filter::three_point) three_point_run(out, count, at, s, between);
   else bilinear_run(out, count, at, s, between);
 }
-
 #if SPANTEX_ROWS_MVE
-// A level that lanes wrap: its runs are not cut. Positions are to be relative to texel 0.
-inline bool wrapped_source(const level_view& t, int32_t base_u, int32_t base_v, mve::source& out) {
-  if (!wraps_by_mask(t) || t.width < 2 || t.width * t.height > 1 << 16 || max_of(t.width, t.height) > mve::longest_side) return false;
-  out = {t.texels, t.width, uint16_t(t.width - 1), uint16_t((t.height - 1) * t.width), int32_t(uint32_t(base_u) << 16), int32_t(uint32_t(base_v) << 16)};
-  return true;
+template <>
+inline void run<filter::bilinear>(uint16_t* out, int count, const walk& at, const source& s, scratch& between) {
+  mve::source map;
+  if (count > 4 && detail::lanes_within({detail::reach_along(at.u, at.du, at.ddu, count), detail::reach_along(at.v, at.dv, at.ddv, count)}, s, map))
+    mve::bilinear(out, count, at, map, between.words);
+  else bilinear_run(out, count, at, s, between);
 }
 #endif
 
@@ -185,7 +201,7 @@ template <filter Kind>
 #if SPANTEX_ROWS_MVE
   if constexpr (Kind == filter::bilinear) {
     mve::source map;
-    if (wrapped_source(t, w.base_u, w.base_v, map)) return mve::bilinear(out, count, w.at, map, between.words);
+    if (detail::lanes_wrapped(t, w.base_u, w.base_v, map)) return mve::bilinear(out, count, w.at, map, between.words);
   }
 #endif
   while (count > 0) {
@@ -242,7 +258,6 @@ constexpr interval levels_of(const block& b, int32_t rounding, int last_level) {
 }
 
 // Positions of all pixels of a block on a level: the hull of its corners, and an eighth of a unit for what rows leave out. `w`: memory for a row.
-struct box { interval u, v; };
 constexpr void widen(interval& x, int32_t a, int32_t b) {
   x.low = min_of(x.low, min_of(a, b));
   x.high = max_of(x.high, max_of(a, b));
@@ -264,14 +279,6 @@ inline bool source_of_block(const block& b, const level_view& t, int level, int 
   box_of_block(b, level, w, x);
   return source_of(t, x.u, x.v, base_on(level, b.u.base), base_on(level, b.v.base), neighbour, out);
 }
-#if SPANTEX_ROWS_MVE
-// As lanes see it, if their offsets fit.
-inline bool vector_source(const box& x, const source& s, mve::source& out) {
-  const int32_t u = x.u.low >> 16, v = x.v.low >> 16, pitch = s.pitch_bytes / 2;
-  out = {s.origin + (v * pitch + u), pitch, 0, 0, -u * (1 << 16), -v * (1 << 16)};
-  return mve::offsets_fit((x.v.high >> 16) - v + 2, pitch);
-}
-#endif
 // Likewise for the level after `level`.
 inline bool source_of_coarser(const block& b, const level_view& t, int level, walk& w, box& x, source& out) {
   box_of_block(b, level, w, x);
