@@ -135,9 +135,6 @@ class painter {
     } else {
       if (!place(x0 >> k, y0 >> k, k, b)) return is_behind(plane_, x0 >> k, y0 >> k, k);
     }
-#if SPANTEX_ROWS_MVE
-    rows_made_ = -1;
-#endif
     const block_part part{x0, y0, int8_t(left), int8_t(right), int8_t(top), int8_t(bottom)};
     if constexpr (Map == map_kind::repeats_in_powers_of_two) draw_masked(b, part);
     else if constexpr (uses_levels(Kind)) draw_with_levels(b, part);
@@ -165,27 +162,21 @@ class painter {
     }
   }
 
-  // Row j from pixel `first`, on a level for which offsets are set.
-  [[gnu::always_inline]] walk& walk_from(const block& b, int j, int first, int level) {
-#if SPANTEX_ROWS_MVE
-    if ((j & ~3) != rows_made_) {
-      rows_made_ = j & ~3;
-      if (b.k == 0) row_at(b, j, memory_.rows[0]);
-      else mve::rows_at(b, rows_made_, memory_.rows);
-    }
-    walk& w = memory_.rows[j & 3];
-#else
-    walk& w = memory_.at.at;
-    row_at(b, j, w);
-#endif
-    if (level != b.unit_log2) w = detail::scaled(w, level - b.unit_log2);
-    if (first != 0) w = advanced(w, first);
-    return w;
+  // With walks from pixel `first`, on a level for which offsets are set.
+  template <class Row>
+  [[gnu::always_inline]] void each_walk(const block& b, const block_part& part, int level, const Row& draw_row) {
+    detail::row_maker rows;
+    each_row(part, [&](texel565* out, int first, int count, int j) {
+      walk& w = rows.at(b, j, memory_.at.at);
+      if (level != b.unit_log2) w = detail::scaled(w, level - b.unit_log2);
+      if (first != 0) w = advanced(w, first);
+      draw_row(out, first, count, j, w);
+    });
   }
-  // The same in memory_.at, for runs that are cut.
-  [[gnu::always_inline]] void walk_on_from(const block& b, int j, int first, int level) {
-    [[maybe_unused]] const walk& w = walk_from(b, j, first, level);
+  // Runs that are cut go on in memory_.at.
+  [[gnu::always_inline]] level_walk& going_on([[maybe_unused]] const walk& w) {
     if constexpr (SPANTEX_ROWS_MVE) memory_.at.at = w;
+    return memory_.at;
   }
 
   // All pixels on one level. False, with offsets set, if its borders cut the block.
@@ -199,15 +190,13 @@ class painter {
     if constexpr (kind == filter::bilinear) {
       mve::source map;
       if (whole ? detail::lanes_within(memory_.reach, s, map) : detail::lanes_wrapped(t, detail::base_on(level, b.u.base), detail::base_on(level, b.v.base), map)) {
-        each_row(part, [&](texel565* out, int first, int count, int j) {
-          mve::bilinear(out, count, walk_from(b, j, first, level), map, memory_.between.words);
-        });
+        each_walk(b, part, level, [&](texel565* out, int, int count, int, const walk& w) { mve::bilinear(out, count, w, map, memory_.between.words); });
         return true;
       }
     }
 #endif
     if (!whole) return false;
-    each_row(part, [&](texel565* out, int first, int count, int j) { run<kind>(out, count, walk_from(b, j, first, level), s, memory_.between); });
+    each_walk(b, part, level, [&](texel565* out, int, int count, int, const walk& w) { run<kind>(out, count, w, s, memory_.between); });
     return true;
   }
   SPANTEX_FRAME_APART void draw_cut_at_borders(block& b, const block_part& part, int level) {
@@ -215,9 +204,8 @@ class painter {
     if (kind == filter::nearest && masked_) return draw_masked(b, part);
     memory_.at.base_u = detail::base_on(level, b.u.base);
     memory_.at.base_v = detail::base_on(level, b.v.base);
-    each_row(part, [&](texel565* out, int first, int count, int j) {
-      walk_on_from(b, j, first, level);
-      draw_level<kind>(out, count, memory_.fine, memory_.at, memory_.between);
+    each_walk(b, part, level, [&](texel565* out, int, int count, int, const walk& w) {
+      draw_level<kind>(out, count, memory_.fine, going_on(w), memory_.between);
     });
   }
 
@@ -227,9 +215,7 @@ class painter {
     b.v.offset = int32_t(uint32_t(b.v.base) << 16);
     const uint32_t masks = uint32_t(map_.height() - 1) << 16 | uint32_t(map_.width() - 1);
     const source s{map_.numbers(0), 2 * map_.width()};
-    each_row(part, [&](texel565* out, int first, int count, int j) {
-      nearest_masked_run(out, count, walk_from(b, j, first, 0), s, masks);
-    });
+    each_walk(b, part, 0, [&](texel565* out, int, int count, int, const walk& w) { nearest_masked_run(out, count, w, s, masks); });
   }
 
   // All pixels between two levels. False, with offsets set, if borders of either cut the block.
@@ -239,23 +225,22 @@ class painter {
     detail::set_offsets(b, level, snap);
     if (!detail::source_of_block(b, t, level, 1, memory_.at.at, memory_.reach, near)) return false;
     if (!detail::source_of_coarser(b, next, level, memory_.at.at, memory_.reach, far)) return false;
-    each_row_with_level(b, part, level, [&](texel565* out, int count, const level_run& d) { trilinear_run(out, count, memory_.at.at, near, far, d, memory_.between); });
+    each_row_with_level(b, part, level, [&](texel565* out, int count, const walk& w, const level_run& d) { trilinear_run(out, count, w, near, far, d, memory_.between); });
     return true;
   }
   SPANTEX_FRAME_APART void draw_two_cut_at_borders(block& b, const block_part& part, int level) {
     memory_.at.base_u = detail::base_on(level, b.u.base);
     memory_.at.base_v = detail::base_on(level, b.v.base);
-    each_row_with_level(b, part, level, [&](texel565* out, int count, const level_run& d) {
-      draw_between(out, count, memory_.fine, memory_.coarse, memory_.at, d, memory_.between);
+    each_row_with_level(b, part, level, [&](texel565* out, int count, const walk& w, const level_run& d) {
+      draw_between(out, count, memory_.fine, memory_.coarse, going_on(w), d, memory_.between);
     });
   }
   template <class Row>
   [[gnu::always_inline]] void each_row_with_level(block& b, const block_part& part, int level, const Row& draw_row) {
-    each_row(part, [&](texel565* out, int first, int count, int j) {
-      walk_on_from(b, j, first, level);
+    each_walk(b, part, level, [&](texel565* out, int first, int count, int j, const walk& w) {
       level_run d = level_row_at(b, j);
       d.start += first * d.step + detail::level_rounding(Kind);
-      draw_row(out, count, d);
+      draw_row(out, count, w, d);
     });
   }
 
@@ -281,9 +266,6 @@ class painter {
   rectangle area_;
   Cover cover_;
   bool masked_;
-#if SPANTEX_ROWS_MVE
-  int rows_made_;  // the first of the four in memory
-#endif
 };
 
 // What a map must be. Errors: out_of_range (its format, a filter that rows do not have), bad_levels (sides that do not halve exactly).

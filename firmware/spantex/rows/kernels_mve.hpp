@@ -1,16 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bilinear runs with M-profile vectors (MVE, Cortex-M55): eight pixels at a time in 16-bit lanes, four gathers. Two loops: the first writes positions
-// (straight rows 9 instructions for eight pixels, bent ones 13), the second filters (55, wrapped by masks 67).
+// With M-profile vectors (MVE, Cortex-M55): coordinates of four rows at once, and bilinear runs, eight pixels at a time in 16-bit lanes with four gathers.
+// A run takes two loops: the first writes positions, 9 instructions for eight pixels of straight rows, 13 of bent ones; the second filters, 55, or 67 where
+// masks wrap.
 // The only header of the library that includes a compiler's own (arm_mve.h).
 #pragma once
 #include <arm_mve.h>
 #include <stdint.h>
 
 #include <spantex/bits.hpp>
+#include <spantex/rows/block.hpp>
+#include <spantex/rows/packed.hpp>
 
 namespace spantex::rows::mve {
 
-// Four rows of a block at once, from row j; k > 0.
+// Four rows of a block at once, from row j; k > 0. Those beyond its last are of no use.
 [[gnu::noinline]] inline void rows_at(const block& b, int32_t j, walk* out) {
   struct { int32x4_t u, v, du, dv, ddu, ddv; } four;
   detail::rows_at(b, vreinterpretq_s32_u32(vidupq_n_u32(uint32_t(j), 1)), four);
@@ -23,12 +26,12 @@ namespace spantex::rows::mve {
   vstrwq_scatter_base_s32(to, 20, four.ddv);
 }
 
-// A map as lanes address it: offsets of 16 bits from `texels`, positions of 11 bits and 5 of fraction.
+// A map as lanes address it: by offsets of 16 bits from `texels`, at positions of 11 bits and 5 of fraction.
 struct source {
   const texel565* texels;
   int32_t pitch;
-  uint16_t columns, rows;  // whole positions are wrapped by masks: width - 1, (height - 1) * pitch; 0 if none has to be
-  int32_t u, v;            // added to positions, which are then at least 0 unless they are wrapped
+  uint16_t columns, rows;  // masks that wrap: width - 1, (height - 1) * pitch; no columns: nothing is wrapped
+  uint32_t u, v;           // what is added to positions; without masks they are at least 0 then
 };
 inline constexpr int32_t longest_side = 1 << 11;
 
@@ -38,12 +41,13 @@ constexpr bool offsets_fit(int32_t rows, int32_t pitch) { return rows * pitch <=
 // Eight pixels' positions between the two loops, in their order.
 struct eight { uint16_t u[8], v[8]; };
 
-// Lanes are pixels 0 2 4 6; 2^-21 texel.
-[[gnu::always_inline]] inline uint32x4_t lanes_of(int32_t start, int32_t step, uint32x4_t i) { return vaddq_n_u32(vmulq_n_u32(i, uint32_t(step * 32)), uint32_t(start) * 32); }
+// A walk in 2^-21 texel: the upper half of a number is a position as above. Lanes are pixels 0 2 4 6.
+struct fine_walk { uint32_t u, v, du, dv, ddu, ddv; };
+[[gnu::always_inline]] inline uint32x4_t lanes_of(uint32_t start, uint32_t step, uint32x4_t i) { return vaddq_n_u32(vmulq_n_u32(i, step), start); }
 
-[[gnu::always_inline]] inline void places_straight(eight* to, int count, const walk& at, const source& map) {
+[[gnu::always_inline]] inline void places_straight(eight* to, int count, const fine_walk& at) {
   const uint32x4_t i = vidupq_n_u32(0, 2);
-  uint32x4_t u = lanes_of(at.u + map.u, at.du, i), v = lanes_of(at.v + map.v, at.dv, i), x;
+  uint32x4_t u = lanes_of(at.u, at.du, i), v = lanes_of(at.v, at.dv, i), x;
   asm volatile(
       "dlstp.16 lr, %[n]\n"
       "1: vadd.i32 %q[x], %q[u], %[du]\n"
@@ -56,15 +60,15 @@ struct eight { uint16_t u[8], v[8]; };
       "vstrh.16 %q[x], [%[to]], #16\n"
       "letp lr, 1b\n"
       : [to] "+r"(to), [u] "+w"(u), [v] "+w"(v), [x] "=&w"(x)
-      : [n] "r"(count), [du] "r"(at.du * 32), [dv] "r"(at.dv * 32), [du8] "r"(at.du * 256), [dv8] "r"(at.dv * 256)
+      : [n] "r"(count), [du] "r"(at.du), [dv] "r"(at.dv), [du8] "r"(8 * at.du), [dv8] "r"(8 * at.dv)
       : "lr", "memory", "cc");
 }
 
 // Eight pixels on a position gains 8 of its steps and 28 bends.
-[[gnu::always_inline]] inline void places_bent(eight* to, int count, const walk& at, const source& map) {
+[[gnu::always_inline]] inline void places_bent(eight* to, int count, const fine_walk& at) {
   const uint32x4_t i = vidupq_n_u32(0, 2), pairs = vshrq_n_u32(vmulq_u32(i, vsubq_n_u32(i, 1)), 1);
-  uint32x4_t u = vaddq_u32(lanes_of(at.u + map.u, at.du, i), vmulq_n_u32(pairs, uint32_t(at.ddu * 32))), du = lanes_of(at.du, at.ddu, i);
-  uint32x4_t v = vaddq_u32(lanes_of(at.v + map.v, at.dv, i), vmulq_n_u32(pairs, uint32_t(at.ddv * 32))), dv = lanes_of(at.dv, at.ddv, i), x;
+  uint32x4_t u = vaddq_u32(lanes_of(at.u, at.du, i), vmulq_n_u32(pairs, at.ddu)), du = lanes_of(at.du, at.ddu, i);
+  uint32x4_t v = vaddq_u32(lanes_of(at.v, at.dv, i), vmulq_n_u32(pairs, at.ddv)), dv = lanes_of(at.dv, at.ddv, i), x;
   asm volatile(
       "dlstp.16 lr, %[n]\n"
       "1: vadd.i32 %q[x], %q[u], %q[du]\n"
@@ -81,7 +85,7 @@ struct eight { uint16_t u[8], v[8]; };
       "vstrh.16 %q[x], [%[to]], #16\n"
       "letp lr, 1b\n"
       : [to] "+r"(to), [u] "+w"(u), [v] "+w"(v), [du] "+w"(du), [dv] "+w"(dv), [x] "=&w"(x)
-      : [n] "r"(count), [r8] "r"(8), [ddu8] "r"(at.ddu * 256), [ddv8] "r"(at.ddv * 256), [ddu28] "r"(at.ddu * 896), [ddv28] "r"(at.ddv * 896)
+      : [n] "r"(count), [r8] "r"(8), [ddu8] "r"(8 * at.ddu), [ddv8] "r"(8 * at.ddv), [ddu28] "r"(28 * at.ddu), [ddv28] "r"(28 * at.ddv)
       : "lr", "memory", "cc");
 }
 
@@ -159,8 +163,10 @@ struct eight { uint16_t u[8], v[8]; };
 // One function: the vector registers of the caller are saved once.
 [[gnu::noinline]] inline void bilinear(uint16_t* out, int count, const walk& at, const source& map, uint32_t* between) {
   eight* const places = reinterpret_cast<eight*>(between);
-  if ((at.ddu | at.ddv) == 0) places_straight(places, count, at, map);
-  else places_bent(places, count, at, map);
+  const auto fine = [](int32_t x) { return uint32_t(x) * 32; };
+  const fine_walk from{fine(at.u) + 32 * map.u, fine(at.v) + 32 * map.v, fine(at.du), fine(at.dv), fine(at.ddu), fine(at.ddv)};
+  if ((at.ddu | at.ddv) == 0) places_straight(places, count, from);
+  else places_bent(places, count, from);
   if (map.columns == 0) four_points(out, places, count, map);
   else four_points_wrapped(out, places, count, map);
 }

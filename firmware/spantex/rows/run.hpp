@@ -155,13 +155,13 @@ inline texels wrapped_texels(const level_view& t, int32_t x, int32_t y) {
 // Where lanes read positions that lie in a box, in one copy of the level. False if their offsets do not fit.
 inline bool lanes_within(const box& x, const source& s, mve::source& out) {
   const int32_t u = x.u.low >> 16, v = x.v.low >> 16, pitch = s.pitch_bytes / 2;
-  out = {s.origin + (v * pitch + u), pitch, 0, 0, -u * (1 << 16), -v * (1 << 16)};
+  out = {s.origin + (v * pitch + u), pitch, 0, 0, uint32_t(-u) << 16, uint32_t(-v) << 16};
   return mve::offsets_fit((x.v.high >> 16) - v + 2, pitch);
 }
 // Any positions, which lanes wrap.
 inline bool lanes_wrapped(const level_view& t, int32_t base_u, int32_t base_v, mve::source& out) {
   if (!wraps_by_mask(t) || t.width < 2 || t.width * t.height > 1 << 16 || max_of(t.width, t.height) > mve::longest_side) return false;
-  out = {t.texels, t.width, uint16_t(t.width - 1), uint16_t((t.height - 1) * t.width), int32_t(uint32_t(base_u) << 16), int32_t(uint32_t(base_v) << 16)};
+  out = {t.texels, t.width, uint16_t(t.width - 1), uint16_t((t.height - 1) * t.width), uint32_t(base_u) << 16, uint32_t(base_v) << 16};
   return true;
 }
 #endif
@@ -257,6 +257,31 @@ constexpr interval levels_of(const block& b, int32_t rounding, int last_level) {
   return {whole(x.low), whole(x.high)};
 }
 
+// Rows of a block one after the other: in `w` or, where vectors make four at once, in memory of their own.
+struct row_maker {
+#if SPANTEX_ROWS_MVE
+  walk rows[4];
+  int made = -1;  // the first of them
+
+  [[gnu::always_inline]] walk& at(const block& b, int j, walk& w) {
+    if (b.k == 0) {
+      row_at(b, j, w);
+      return w;
+    }
+    if (made != (j & ~3)) {
+      made = j & ~3;
+      mve::rows_at(b, made, rows);
+    }
+    return rows[j & 3];
+  }
+#else
+  [[gnu::always_inline]] static walk& at(const block& b, int j, walk& w) {
+    row_at(b, j, w);
+    return w;
+  }
+#endif
+};
+
 // Positions of all pixels of a block on a level: the hull of its corners, and an eighth of a unit for what rows leave out. `w`: memory for a row.
 constexpr void widen(interval& x, int32_t a, int32_t b) {
   x.low = min_of(x.low, min_of(a, b));
@@ -295,9 +320,6 @@ struct state {
   level_view fine, coarse;
   level_walk at;
   uint32_t masks[1 << largest_block_log2];  // of its rows; polygons
-#if SPANTEX_ROWS_MVE
-  walk rows[4];
-#endif
   scratch between;
 };
 
