@@ -150,6 +150,31 @@ SPANTEX_CASE(at_least_99_percent_of_the_texels_are_those_of_exact_arithmetic) {
     }
 }
 
+// As cores with vectors make them, four at once.
+SPANTEX_CASE(rows_in_lanes_are_those_made_one_by_one) {
+  typedef int32_t lanes __attribute__((vector_size(16)));
+  struct { lanes u, v, du, dv, ddu, ddv; } four;
+  random_source random(7);
+  int checked = 0;
+  for (int n = 0; n < 2000; ++n) {
+    static plane p;
+    rows::reference_position at;
+    if (make_plane(random_homography(random, n), {0, 0, width, height}, p) != status::ok) continue;
+    if (!rows::find_block(p, between(random, 0, width - 1), between(random, 0, height - 1), n % 2 == 0 ? -1 : 6, at) || at.b.k == 0) continue;
+    at.b.u.offset = between(random, -(1 << 20), 1 << 20);
+    for (int j = 0; j < 1 << at.b.k; ++j) {
+      const int first = j & ~3, lane = j & 3;
+      rows::detail::rows_at(at.b, lanes{first, first + 1, first + 2, first + 3}, four);
+      rows::walk w;
+      rows::row_at(at.b, j, w);
+      assert_true(four.u[lane] == w.u && four.v[lane] == w.v && four.du[lane] == w.du && four.dv[lane] == w.dv && four.ddu[lane] == w.ddu && four.ddv[lane] == w.ddv);
+      ++checked;
+    }
+  }
+  print_message("%d rows\n", checked);
+  assert_true(checked > 10000);
+}
+
 // The bound of docs/ACCURACY.md "Rows".
 SPANTEX_CASE(positions_keep_their_bound) {
   random_source random(6);
@@ -236,6 +261,7 @@ int main() {
       cmocka_unit_test(planes_to_the_horizon_are_drawn_in_front_of_it_only),
       cmocka_unit_test(polygons_cover_the_pixels_of_their_masks),
       cmocka_unit_test(at_least_99_percent_of_the_texels_are_those_of_exact_arithmetic),
+      cmocka_unit_test(rows_in_lanes_are_those_made_one_by_one),
       cmocka_unit_test(positions_keep_their_bound),
       cmocka_unit_test(colours_lie_between_their_texels_and_constants_stay),
       cmocka_unit_test(maps_and_filters_that_rows_do_not_have_are_refused),
