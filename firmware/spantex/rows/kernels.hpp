@@ -36,6 +36,8 @@ inline constexpr int longest_run = 32;
 struct scratch {
 #if SPANTEX_ROWS_DSP
   uint32_t words[dsp::scratch_words];
+#elif SPANTEX_ROWS_THUMB1
+  uint32_t words[thumb1::scratch_words];
 #endif
 };
 
@@ -114,8 +116,8 @@ inline void nearest_masked_run(uint16_t* out, int count, const walk& from, const
   else dsp::weighted_places(between.words, count, from, detail::address(s), detail::to_bytes(s));
   dsp::four_points(out, between.words, count, uint32_t(s.pitch_bytes));
 #elif SPANTEX_ROWS_THUMB1
-  (void)between;
-  thumb1::bilinear(out, count, from, s.origin, s.pitch_bytes);
+  thumb1::places(between.words, count, from, s.origin, s.pitch_bytes);
+  thumb1::four_points(out, between.words, count, s.pitch_bytes);
 #else
   (void)between;
   for (walk at = from; count > 0; --count, at.step()) {
@@ -131,6 +133,9 @@ inline void nearest_masked_run(uint16_t* out, int count, const walk& from, const
   if ((from.ddu | from.ddv) == 0) return dsp::three_points_straight(out, count, from, detail::address(s), detail::to_bytes(s));
   dsp::places(between.words, count, from, detail::address(s), detail::to_bytes(s));
   dsp::three_points(out, between.words, count, uint32_t(s.pitch_bytes));
+#elif SPANTEX_ROWS_THUMB1
+  thumb1::places(between.words, count, from, s.origin, s.pitch_bytes);
+  thumb1::three_points(out, between.words, count, s.pitch_bytes);
 #else
   (void)between;
   constexpr uint32_t one = 1u << weight_bits, half = (1u | 1u << 11 | 1u << 21) << (weight_bits - 1);
