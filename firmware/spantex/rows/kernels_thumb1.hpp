@@ -19,7 +19,7 @@ struct carried {
 };
 // Of positions with `bits` of fraction.
 SPANTEX_WRAPS inline carried carried_of(const walk& w, const texel565* origin, int32_t pitch_bytes, int bits) {
-  const int32_t row = pitch_bytes / 2;
+  const int32_t row = pitch_bytes >> 1;
   const auto texels = [&](int32_t u, int32_t v) { return uint32_t(u >> bits) + uint32_t(v >> bits) * row; };
   const auto fraction = [&](int32_t x) { return uint32_t(x) << (32 - bits); };
   return {(uint32_t(reinterpret_cast<uintptr_t>(origin)) >> 1) + texels(w.u, w.v), fraction(w.u), fraction(w.v), texels(w.du, w.dv), fraction(w.du), fraction(w.dv), row};
@@ -96,7 +96,7 @@ inline constexpr int scratch_words = 3 * 32;
 #define SPANTEX_4_PLACES(PLACE) ".syntax unified\n 1:\n" PLACE PLACE PLACE PLACE "cmp %[to], %[end]\n bne 1b\n"
 // clang-format on
 
-inline void places(uint32_t* to, int count, const carried& c) {
+[[gnu::always_inline]] inline void places(uint32_t* to, int count, const carried& c) {
   const uint32_t* const end = to + 3 * ((count + 3) & ~3);
   register uint32_t a asm("r4") = c.at;
   register uint32_t u asm("r5") = c.u;
@@ -107,16 +107,16 @@ inline void places(uint32_t* to, int count, const carried& c) {
                : "memory", "cc");
 }
 
-inline void bent_places(uint32_t* to, int count, const walk& at, const texel565* origin, int32_t pitch_bytes) {
+[[gnu::always_inline]] inline void bent_places(uint32_t* to, int count, const walk& at, const texel565* origin, int32_t pitch_bytes) {
   const uint32_t* const end = to + 3 * ((count + 3) & ~3);
   int32_t u = at.u, v = at.v, du = at.du, dv = at.dv;
   asm volatile(SPANTEX_4_PLACES(SPANTEX_BENT_PLACE)
                : [to] "+l"(to), [u] "+l"(u), [v] "+l"(v), [du] "+h"(du), [dv] "+h"(dv)
-               : [ddu] "h"(at.ddu), [ddv] "h"(at.ddv), [row] "l"(pitch_bytes / 2), [base] "l"(uint32_t(reinterpret_cast<uintptr_t>(origin)) >> 1), [end] "h"(end)
+               : [ddu] "h"(at.ddu), [ddv] "h"(at.ddv), [row] "l"(pitch_bytes >> 1), [base] "l"(uint32_t(reinterpret_cast<uintptr_t>(origin)) >> 1), [end] "h"(end)
                : "r4", "r5", "r6", "memory", "cc");
 }
 
-inline void places(uint32_t* to, int count, const walk& at, const texel565* origin, int32_t pitch_bytes) {
+[[gnu::always_inline]] inline void places(uint32_t* to, int count, const walk& at, const texel565* origin, int32_t pitch_bytes) {
   if ((at.ddu | at.ddv) == 0) places(to, count, carried_of(at, origin, pitch_bytes, 16));
   else bent_places(to, count, at, origin, pitch_bytes);
 }
@@ -147,7 +147,7 @@ inline constexpr uint32_t twice = 0x10001;  // a texel times this and spread_mas
 // clang-format on
 
 // count > 0
-inline void three_points(uint16_t* to, const uint32_t* from, int count, int32_t pitch_bytes) {
+[[gnu::always_inline]] inline void three_points(uint16_t* to, const uint32_t* from, int count, int32_t pitch_bytes) {
   uint32_t s = -uint32_t(count) & 3, x;
   const uint32_t* const end = from + 3 * count;
   uint16_t* out = to - s;
@@ -184,7 +184,7 @@ inline void three_points(uint16_t* to, const uint32_t* from, int count, int32_t 
 // clang-format on
 
 // count > 0
-inline void four_points(uint16_t* to, const uint32_t* from, int count, int32_t pitch_bytes) {
+[[gnu::always_inline]] inline void four_points(uint16_t* to, const uint32_t* from, int count, int32_t pitch_bytes) {
   uint32_t s = -uint32_t(count) & 3, x, y;
   const uint32_t* const end = from + 3 * count;
   uint16_t* out = to - s;

@@ -85,10 +85,11 @@ constexpr borders within_both(borders a, borders b) { return {a.first > b.first 
 
 // Pixels until a position that changes by `step` has left its borders: 0 if it is not within them now, at most `count`.
 constexpr int until_border(int32_t position, int32_t step, borders b, int count) {
-  if (position >= b.end || position < b.first) return 0;
-  if (step == 0) return count;
+  if (count == 0 || position >= b.end || position < b.first) return 0;
+  const int32_t last = position + (count - 1) * step;
+  if (last < b.end && last >= b.first) return count;
   const int32_t n = step > 0 ? (b.end - 1 - position) / step : (position - b.first) / -step;
-  return n < count ? n + 1 : count;
+  return n + 1;
 }
 [[gnu::noinline]] constexpr int bent_until_border(const walk& w, const borders& u, const borders& v, int n) {
   while (n > 1 && !(lies_in(reach_along(w.u, w.du, w.ddu, n), u) && lies_in(reach_along(w.v, w.dv, w.ddv, n), v))) n -= 1 + n / 8;
@@ -114,7 +115,9 @@ struct copy { borders u, v; source s; };
 inline bool copy_of(const level_view& t, int32_t u, int32_t v, int32_t base_u, int32_t base_v, int neighbour, copy& out) {
   int32_t x = 0, y = 0;
   if (!origin_of(u, base_u, t.width, t.wrap_u, x) || !origin_of(v, base_v, t.height, t.wrap_v, y)) return false;
-  out = {borders_of(x, t.width, neighbour), borders_of(y, t.height, neighbour), {t.texels - (y * t.width + x), 2 * t.width}};
+  out.u = borders_of(x, t.width, neighbour);
+  out.v = borders_of(y, t.height, neighbour);
+  out.s = {t.texels - (y * t.width + x), 2 * t.width};
   return true;
 }
 
