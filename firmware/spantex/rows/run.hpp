@@ -111,37 +111,32 @@ SPANTEX_WRAPS constexpr void go_on(walk& w, int n) {
 }
 
 // The copy of a level that holds a pair of positions.
-struct copy { borders u, v; source s; };
-inline bool copy_of(const level_view& t, int32_t u, int32_t v, int32_t base_u, int32_t base_v, int neighbour, copy& out) {
+struct copy { borders u, v; };
+inline bool copy_of(const level_view& t, int32_t u, int32_t v, int32_t base_u, int32_t base_v, int neighbour, copy& out, source& s) {
   int32_t x = 0, y = 0;
   if (!origin_of(u, base_u, t.width, t.wrap_u, x) || !origin_of(v, base_v, t.height, t.wrap_v, y)) return false;
-  out.u = borders_of(x, t.width, neighbour);
-  out.v = borders_of(y, t.height, neighbour);
-  out.s = {t.texels - (y * t.width + x), 2 * t.width};
+  out = {borders_of(x, t.width, neighbour), borders_of(y, t.height, neighbour)};
+  s = {t.texels - (y * t.width + x), 2 * t.width};
   return true;
 }
 
 // A pointer for the kernel if all positions lie in one copy of the level.
 SPANTEX_FRAME_APART inline bool source_of(const level_view& t, interval u, interval v, int32_t base_u, int32_t base_v, int neighbour, source& out) {
   copy c{};
-  if (!copy_of(t, u.low, v.low, base_u, base_v, neighbour, c) || !lies_in(u, c.u) || !lies_in(v, c.v)) return false;
-  out = c.s;
-  return true;
+  return copy_of(t, u.low, v.low, base_u, base_v, neighbour, c, out) && lies_in(u, c.u) && lies_in(v, c.v);
 }
 
 // Pixels of a run, `count` at most, that lie in one copy of the level, and that copy; 0 if not even the first.
 SPANTEX_FRAME_APART inline int run_within(const level_view& t, const level_walk& w, int count, int neighbour, source& out) {
   copy c;
-  if (!copy_of(t, w.at.u, w.at.v, w.base_u, w.base_v, neighbour, c)) return 0;
-  out = c.s;
+  if (!copy_of(t, w.at.u, w.at.v, w.base_u, w.base_v, neighbour, c, out)) return 0;
   return until_border(w.at, c.u, c.v, count);
 }
 // Likewise in one copy of each of two levels.
 SPANTEX_FRAME_APART inline int run_within_both(const level_view& fine, const level_view& coarse, const level_walk& w, int count, source& near, source& far) {
   copy a, b;
-  if (!copy_of(fine, w.at.u, w.at.v, w.base_u, w.base_v, 1, a) || !copy_of(coarse, coarser(w.at.u), coarser(w.at.v), w.base_u >> 1, w.base_v >> 1, 1, b)) return 0;
-  near = a.s;
-  far = b.s;
+  if (!copy_of(fine, w.at.u, w.at.v, w.base_u, w.base_v, 1, a, near)) return 0;
+  if (!copy_of(coarse, coarser(w.at.u), coarser(w.at.v), w.base_u >> 1, w.base_v >> 1, 1, b, far)) return 0;
   return until_border(w.at, within_both(a.u, of_finer(b.u)), within_both(a.v, of_finer(b.v)), count);
 }
 
