@@ -45,6 +45,30 @@ namespace detail {
 
 constexpr uint32_t to_bytes(const source& s) { return uint32_t(s.pitch_bytes) << 16 | 2u; }
 
+inline constexpr int bilinear_bits = 2 * weight_bits, trilinear_bits = bilinear_bits + blend_bits;
+
+// Along u three channels in one product, exact; then along v two and one.
+struct halfway { uint32_t rb, g; };  // red in the upper half, blue in the lower; 5 fraction bits
+inline halfway along_u(uint32_t left, uint32_t right, uint32_t fu) {
+  const uint32_t x = spread(left) * ((1u << weight_bits) - fu) + spread(right) * fu;
+  return {(x & 0x3FFu) | (x & 0x3FFu << 11) << 5, x >> 21};
+}
+SPANTEX_WRAPS inline halfway along_v(const halfway& top, const halfway& bottom, uint32_t fv) {
+  return {(top.rb << weight_bits) + (bottom.rb - top.rb) * fv, (top.g << weight_bits) + (bottom.g - top.g) * fv};
+}
+inline halfway four_points(const texels& t, uint32_t fu, uint32_t fv) { return along_v(along_u(t.t00, t.t10, fu), along_u(t.t01, t.t11, fu), fv); }
+inline uint16_t pixel_of(const halfway& sum) {
+  const uint32_t rb = sum.rb + 0x02000200u, g = sum.g + 0x200u;
+  return uint16_t((rb >> 26) << 11 | (g >> 10) << 5 | (rb >> 10 & 31));
+}
+
+// The texel beside t00 that the triangle has, and the weights of its edges.
+inline uint16_t three_points(uint32_t t00, uint32_t side, uint32_t t11, uint32_t high, uint32_t low) {
+  constexpr uint32_t one = 1u << weight_bits, half = (1u | 1u << 11 | 1u << 21) << (weight_bits - 1);
+  const uint32_t sum = spread(t11) * low + spread(side) * (high - low) + spread(t00) * (one - high) + half;
+  return uint16_t(gathered(sum >> weight_bits & spread_mask));
+}
+
 #if SPANTEX_ROWS_DSP
 
 inline uint32_t address(const source& s) { return uint32_t(reinterpret_cast<uintptr_t>(s.origin)); }
@@ -57,18 +81,10 @@ inline const texel565* below(const texel565* p, const source& s) {
   return reinterpret_cast<const texel565*>(reinterpret_cast<const uint8_t*>(p) + s.pitch_bytes);
 }
 
-inline constexpr int bilinear_bits = 2 * weight_bits, trilinear_bits = bilinear_bits + blend_bits;
-
-// Along u three channels in one product, exact; then along v two and one.
-struct halfway { uint32_t rb, g; };  // red in the upper half, blue in the lower; 5 fraction bits
-inline halfway along_u(const texel565* p, uint32_t fu) {
-  const uint32_t x = spread(p[0]) * ((1u << weight_bits) - fu) + spread(p[1]) * fu;
-  return {(x & 0x3FFu) | (x & 0x3FFu << 11) << 5, x >> 21};
+inline halfway four_points(const texel565* p, const source& s, uint32_t fu, uint32_t fv) {
+  const texel565* const q = below(p, s);
+  return along_v(along_u(p[0], p[1], fu), along_u(q[0], q[1], fu), fv);
 }
-SPANTEX_WRAPS inline halfway along_v(const halfway& top, const halfway& bottom, uint32_t fv) {
-  return {(top.rb << weight_bits) + (bottom.rb - top.rb) * fv, (top.g << weight_bits) + (bottom.g - top.g) * fv};
-}
-inline halfway four_points(const texel565* p, const source& s, uint32_t fu, uint32_t fv) { return along_v(along_u(p, fu), along_u(below(p, s), fu), fv); }
 
 #endif
 
@@ -121,9 +137,7 @@ inline void nearest_masked_run(uint16_t* out, int count, const walk& from, const
 #else
   (void)between;
   for (walk at = from; count > 0; --count, at.step()) {
-    const detail::halfway c = detail::four_points(detail::texel_at(s, upper_halves(at.v, at.u)), s, weight_of(at.u), weight_of(at.v));
-    const uint32_t rb = c.rb + 0x02000200u, g = c.g + 0x200u;
-    *out++ = uint16_t((rb >> 26) << 11 | (g >> 10) << 5 | (rb >> 10 & 31));
+    *out++ = detail::pixel_of(detail::four_points(detail::texel_at(s, upper_halves(at.v, at.u)), s, weight_of(at.u), weight_of(at.v)));
   }
 #endif
 }
@@ -138,16 +152,11 @@ inline void nearest_masked_run(uint16_t* out, int count, const walk& from, const
   thumb1::three_points(out, between.words, count, s.pitch_bytes);
 #else
   (void)between;
-  constexpr uint32_t one = 1u << weight_bits, half = (1u | 1u << 11 | 1u << 21) << (weight_bits - 1);
   for (walk at = from; count > 0; --count, at.step()) {
     const texel565* const p = detail::texel_at(s, upper_halves(at.v, at.u));
     const texel565* const q = detail::below(p, s);
     const uint32_t fu = weight_of(at.u), fv = weight_of(at.v);
-    const texel565* side = p + 1;
-    uint32_t low = fv, high = fu;
-    if (fv >= fu) { side = q; low = fu; high = fv; }
-    const uint32_t sum = spread(q[1]) * low + spread(*side) * (high - low) + spread(p[0]) * (one - high) + half;
-    *out++ = uint16_t(gathered(sum >> weight_bits & spread_mask));
+    *out++ = fv >= fu ? detail::three_points(p[0], q[0], q[1], fv, fu) : detail::three_points(p[0], p[1], q[1], fu, fv);
   }
 #endif
 }

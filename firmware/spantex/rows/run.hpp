@@ -173,8 +173,8 @@ SPANTEX_FRAME_APART inline uint16_t pixel_of(const level_view& t, const level_wa
   if constexpr (Kind == filter::nearest) return uint16_t(detail::wrapped_texel(t, x, y));
   const texels four = detail::wrapped_texels(t, x, y);
   const uint32_t fu = weight_of(w.at.u), fv = weight_of(w.at.v);
-  if constexpr (Kind == filter::three_point) return rounded(three_point(four, fu, fv), weight_bits);
-  return rounded(four_point(four, fu, fv), 2 * weight_bits);
+  if constexpr (Kind == filter::three_point) return fv >= fu ? detail::three_points(four.t00, four.t01, four.t11, fv, fu) : detail::three_points(four.t00, four.t10, four.t11, fu, fv);
+  return detail::pixel_of(detail::four_points(four, fu, fv));
 }
 
 // The kernel of a filter of one level.
