@@ -91,7 +91,7 @@ inline constexpr int scratch_words = 3 * 32;
 
 // clang-format off
 #define SPANTEX_PLACE "stmia %[to]!, {%[a], %[u], %[v]}\n" SPANTEX_STEP
-#define SPANTEX_BENT_PLACE "asrs r4, %[v], #16\n muls r4, %[row], r4\n asrs r5, %[u], #16\n adds r4, r4, r5\n adds r4, r4, %[base]\n lsls r5, %[u], #16\n lsls r6, %[v], #16\n" \
+#define SPANTEX_BENT_PLACE "asrs r4, %[v], %[bits]\n muls r4, %[row], r4\n asrs r5, %[u], %[bits]\n adds r4, r4, r5\n adds r4, r4, %[base]\n lsls r5, %[u], %[rest]\n lsls r6, %[v], %[rest]\n" \
                            "stmia %[to]!, {r4, r5, r6}\n add %[u], %[du]\n add %[v], %[dv]\n" SPANTEX_BEND
 #define SPANTEX_4_PLACES(PLACE) ".syntax unified\n 1:\n" PLACE PLACE PLACE PLACE "cmp %[to], %[end]\n bne 1b\n"
 // clang-format on
@@ -107,18 +107,33 @@ inline constexpr int scratch_words = 3 * 32;
                : "memory", "cc");
 }
 
+template <int Bits>
 [[gnu::always_inline]] inline void bent_places(uint32_t* to, int count, const walk& at, const texel565* origin, int32_t pitch_bytes) {
   const uint32_t* const end = to + 3 * ((count + 3) & ~3);
   int32_t u = at.u, v = at.v, du = at.du, dv = at.dv;
   asm volatile(SPANTEX_4_PLACES(SPANTEX_BENT_PLACE)
                : [to] "+l"(to), [u] "+l"(u), [v] "+l"(v), [du] "+h"(du), [dv] "+h"(dv)
-               : [ddu] "h"(at.ddu), [ddv] "h"(at.ddv), [row] "l"(pitch_bytes >> 1), [base] "l"(uint32_t(reinterpret_cast<uintptr_t>(origin)) >> 1), [end] "h"(end)
+               : [ddu] "h"(at.ddu), [ddv] "h"(at.ddv), [row] "l"(pitch_bytes >> 1), [base] "l"(uint32_t(reinterpret_cast<uintptr_t>(origin)) >> 1), [end] "h"(end),
+                 [bits] "i"(Bits), [rest] "i"(32 - Bits)
                : "r4", "r5", "r6", "memory", "cc");
 }
 
 [[gnu::always_inline]] inline void places(uint32_t* to, int count, const walk& at, const texel565* origin, int32_t pitch_bytes) {
   if ((at.ddu | at.ddv) == 0) places(to, count, carried_of(at, origin, pitch_bytes, 16));
-  else bent_places(to, count, at, origin, pitch_bytes);
+  else bent_places<16>(to, count, at, origin, pitch_bytes);
+}
+
+// With a level's weight, first + sign f, in the lowest bits of v, below what the fraction fills; f: fraction of the level of detail.
+template <int Bits>
+inline void weighted_places(uint32_t* to, int count, const walk& at, const texel565* origin, int32_t pitch_bytes, const level_run& level, uint32_t first, uint32_t sign) {
+  const auto weight_at = [&](int32_t x) { return first + sign * (uint32_t(x) >> (16 - blend_bits) & ((1u << blend_bits) - 1)); };
+  if ((at.ddu | at.ddv | level.step) == 0) {
+    carried c = carried_of(at, origin, pitch_bytes, Bits);
+    c.v |= weight_at(level.start);
+    return places(to, count, c);
+  }
+  bent_places<Bits>(to, count, at, origin, pitch_bytes);
+  for (int32_t x = level.start; count > 0; --count, to += 3, x += level.step) to[2] |= weight_at(x);
 }
 #undef SPANTEX_STEP
 #undef SPANTEX_BEND
@@ -197,6 +212,47 @@ inline constexpr uint32_t twice = 0x10001;  // a texel times this and spread_mas
       : "r4", "r5", "r6", "memory", "cc");
 }
 
+// Two levels: sums of two rows with weights (32 - fv) w and fv w of 9 bits, w the level's. P = 2^10 G + R, G, and T modulo 2^32.
+// clang-format off
+#define SPANTEX_LEVEL \
+  "ldr %[s], %[twice]\n ldr %[mask], %[spread]\n ldmia %[from]!, {r4, r5, r6}\n lsls r4, r4, #1\n lsrs r5, r5, #27\n" \
+  "ldrh %[x], [r4]\n ldrh %[y], [r4, #2]\n" SPANTEX_ROW("%[x]", "%[y]") \
+  "add r4, %[pitch]\n ldrh %[y], [r4]\n ldrh r4, [r4, #2]\n" SPANTEX_ROW("%[y]", "r4") \
+  "lsls r4, r6, #27\n lsrs %[mask], r4, #22\n lsrs r4, r4, #27\n lsrs r6, r6, #27\n muls r6, r4, r6\n subs %[mask], %[mask], r6\n" \
+  "lsrs r4, %[x], #21\n lsrs r5, %[y], #21\n muls r4, %[mask], r4\n muls r5, r6, r5\n adds r5, r5, r4\n" \
+  "lsrs r4, %[x], #11\n lsrs %[s], %[y], #11\n muls r4, %[mask], r4\n muls %[s], r6, %[s]\n adds r4, r4, %[s]\n" \
+  "muls %[x], %[mask], %[x]\n muls %[y], r6, %[y]\n adds r6, %[x], %[y]\n"
+// clang-format on
+
+// The finer level's places become its sums. count > 0
+inline void fine_sums(uint32_t* from, int count, int32_t pitch_bytes) {
+  uint32_t s, x, y, mask;
+  const uint32_t two = twice, spread = spread_mask, *const end = from + 3 * count;
+  asm volatile(".syntax unified\n 1:\n" SPANTEX_LEVEL "subs %[from], %[from], #12\n stmia %[from]!, {r4, r5, r6}\n cmp %[from], %[end]\n bne 1b\n"
+               : [from] "+l"(from), [s] "=&l"(s), [x] "=&l"(x), [y] "=&l"(y), [mask] "=&l"(mask)
+               : [twice] "m"(two), [spread] "m"(spread), [pitch] "h"(pitch_bytes), [end] "h"(end)
+               : "r4", "r5", "r6", "memory", "cc");
+}
+
+// The coarser level's places and the finer one's sums become pixels. count > 0
+inline void coarse_pixels(uint16_t* out, const uint32_t* fine, const uint32_t* from, int count, int32_t pitch_bytes) {
+  register uint32_t x asm("r0");
+  register uint32_t y asm("r1");
+  register uint32_t s asm("r2");
+  uint32_t mask;
+  const uint32_t two = twice, spread = spread_mask, *const end = from + 3 * count;
+  asm volatile(
+      ".syntax unified\n 1:\n" SPANTEX_LEVEL
+      "mov %[mask], %[fine]\n ldmia %[mask]!, {%[x], %[y], %[s]}\n mov %[fine], %[mask]\n adds r4, r4, %[x]\n adds r5, r5, %[y]\n adds r6, r6, %[s]\n"
+      "lsls %[x], r4, #11\n subs r6, r6, %[x]\n lsls %[x], r5, #10\n subs r4, r4, %[x]\n"  // B and R alone
+      "add r4, %[half]\n lsrs r4, r4, #14\n lsls r4, r4, #6\n lsrs r5, r5, #14\n adcs r4, r4, r5\n lsls r4, r4, #5\n lsrs r6, r6, #14\n adcs r4, r4, r6\n"
+      "mov %[x], %[out]\n strh r4, [%[x]]\n adds %[x], %[x], #2\n mov %[out], %[x]\n cmp %[from], %[end]\n bne 1b\n"
+      : [out] "+h"(out), [fine] "+h"(fine), [from] "+l"(from), [s] "=&l"(s), [x] "=&l"(x), [y] "=&l"(y), [mask] "=&l"(mask)
+      : [twice] "m"(two), [spread] "m"(spread), [half] "h"(1u << 13), [pitch] "h"(pitch_bytes), [end] "h"(end)
+      : "r4", "r5", "r6", "memory", "cc");
+}
+
+#undef SPANTEX_LEVEL
 #undef SPANTEX_SPREAD
 #undef SPANTEX_READ
 #undef SPANTEX_NEXT
