@@ -62,6 +62,14 @@ inline uint16_t pixel_of(const halfway& sum) {
   return uint16_t((rb >> 26) << 11 | (g >> 10) << 5 | (rb >> 10 & 31));
 }
 
+// Two levels by the fraction f of the level of detail, 4 bits.
+inline uint16_t pixel_between(const halfway& fine, const halfway& coarse, uint32_t f) {
+  const uint32_t e = (1u << blend_bits) - f, half = 1u << trilinear_bits >> 1;
+  const uint32_t red = (fine.rb >> 16) * e + (coarse.rb >> 16) * f + half, blue = (fine.rb & 0xFFFF) * e + (coarse.rb & 0xFFFF) * f + half;
+  const uint32_t green = fine.g * e + coarse.g * f + half;
+  return uint16_t((red >> trilinear_bits) << 11 | (green >> trilinear_bits) << 5 | blue >> trilinear_bits);
+}
+
 // The texel beside t00 that the triangle has, and the weights of its edges.
 inline uint16_t three_points(uint32_t t00, uint32_t side, uint32_t t11, uint32_t high, uint32_t low) {
   constexpr uint32_t one = 1u << weight_bits, half = (1u | 1u << 11 | 1u << 21) << (weight_bits - 1);
@@ -188,14 +196,10 @@ inline void nearest_masked_run(uint16_t* out, int count, const walk& from, const
 #else
   (void)between;
   for (; count > 0; --count, at.step(), level.start += level.step) {
-    const uint32_t f = uint32_t(level.start) >> (16 - blend_bits) & ((1u << blend_bits) - 1), e = (1u << blend_bits) - f;
     const int32_t u = (at.u + snap) >> 1, v = (at.v + snap) >> 1;
     const detail::halfway a = detail::four_points(detail::texel_at(fine, upper_halves(at.v, at.u)), fine, weight_of(at.u), weight_of(at.v));
     const detail::halfway b = detail::four_points(detail::texel_at(coarse, upper_halves(v, u)), coarse, weight_of(u), weight_of(v));
-    const uint32_t half = 1u << detail::trilinear_bits >> 1;
-    const uint32_t red = (a.rb >> 16) * e + (b.rb >> 16) * f + half, blue = (a.rb & 0xFFFF) * e + (b.rb & 0xFFFF) * f + half;
-    const uint32_t green = a.g * e + b.g * f + half;
-    *out++ = uint16_t((red >> detail::trilinear_bits) << 11 | (green >> detail::trilinear_bits) << 5 | blue >> detail::trilinear_bits);
+    *out++ = detail::pixel_between(a, b, fraction_of(level.start));
   }
 #endif
 }

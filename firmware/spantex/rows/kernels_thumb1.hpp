@@ -126,7 +126,7 @@ template <int Bits>
 // With a level's weight, first + sign f, in the lowest bits of v, below what the fraction fills; f: fraction of the level of detail.
 template <int Bits>
 inline void weighted_places(uint32_t* to, int count, const walk& at, const texel565* origin, int32_t pitch_bytes, const level_run& level, uint32_t first, uint32_t sign) {
-  const auto weight_at = [&](int32_t x) { return first + sign * (uint32_t(x) >> (16 - blend_bits) & ((1u << blend_bits) - 1)); };
+  const auto weight_at = [&](int32_t x) { return first + sign * fraction_of(x); };
   if ((at.ddu | at.ddv | level.step) == 0) {
     carried c = carried_of(at, origin, pitch_bytes, Bits);
     c.v |= weight_at(level.start);

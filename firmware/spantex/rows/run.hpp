@@ -216,10 +216,9 @@ template <filter Kind>
 
 inline uint16_t pixel_between(const level_view& fine, const level_view& coarse, const level_walk& w, int32_t level) {
   const int32_t u = detail::coarser(w.at.u), v = detail::coarser(w.at.v);
-  const uint32_t f = uint32_t(level) >> (16 - blend_bits) & ((1u << blend_bits) - 1);
-  const sums a = four_point(detail::wrapped_texels(fine, w.base_u + texel_of(w.at.u), w.base_v + texel_of(w.at.v)), weight_of(w.at.u), weight_of(w.at.v));
-  const sums b = four_point(detail::wrapped_texels(coarse, (w.base_u >> 1) + texel_of(u), (w.base_v >> 1) + texel_of(v)), weight_of(u), weight_of(v));
-  return rounded(between_levels(a, b, f), 2 * weight_bits + blend_bits);
+  const detail::halfway a = detail::four_points(detail::wrapped_texels(fine, w.base_u + texel_of(w.at.u), w.base_v + texel_of(w.at.v)), weight_of(w.at.u), weight_of(w.at.v));
+  const detail::halfway b = detail::four_points(detail::wrapped_texels(coarse, (w.base_u >> 1) + texel_of(u), (w.base_v >> 1) + texel_of(v)), weight_of(u), weight_of(v));
+  return detail::pixel_between(a, b, fraction_of(level));
 }
 
 [[gnu::noinline]] inline void draw_between(uint16_t* out, int count, const level_view& fine, const level_view& coarse, level_walk& w, level_run level,

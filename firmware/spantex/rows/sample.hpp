@@ -16,6 +16,7 @@ inline constexpr int blend_bits = 4;  // fraction of the level of detail
 inline constexpr int32_t snap = (1 << (15 - weight_bits)) - (1 << 15);
 
 constexpr int32_t texel_of(int32_t snapped) { return snapped >> 16; }
+constexpr uint32_t fraction_of(int32_t level) { return uint32_t(level) >> (16 - blend_bits) & ((1u << blend_bits) - 1); }
 constexpr uint32_t weight_of(int32_t snapped) { return uint32_t(snapped) >> (16 - weight_bits) & ((1u << weight_bits) - 1); }
 
 struct texels { uint32_t t00, t10, t01, t11; };
