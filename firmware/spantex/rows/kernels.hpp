@@ -164,7 +164,10 @@ inline void nearest_masked_run(uint16_t* out, int count, const walk& from, const
     const texel565* const p = detail::texel_at(s, upper_halves(at.v, at.u));
     const texel565* const q = detail::below(p, s);
     const uint32_t fu = weight_of(at.u), fv = weight_of(at.v);
-    *out++ = fv >= fu ? detail::three_points(p[0], q[0], q[1], fv, fu) : detail::three_points(p[0], p[1], q[1], fu, fv);
+    const texel565* side = p + 1;
+    uint32_t low = fv, high = fu;
+    if (fv >= fu) { side = q; low = fu; high = fv; }
+    *out++ = detail::three_points(p[0], *side, q[1], high, low);
   }
 #endif
 }
