@@ -147,7 +147,7 @@ class painter {
   struct block_part { int32_t x0, y0; int8_t left, right, top, bottom; };
 
   template <class Row>
-  [[gnu::always_inline]] void each_row(const block_part& part, const Row& draw_row) {
+  [[gnu::always_inline]] void each_row(const block_part part, const Row& draw_row) {
     const uint32_t wanted = detail::columns(part.left, part.right);
     for (int32_t j = part.top; j < part.bottom; ++j) {
       int first = part.left, count = part.right - part.left;

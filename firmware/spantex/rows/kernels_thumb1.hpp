@@ -146,7 +146,7 @@ inline constexpr uint32_t twice = 0x10001;  // a texel times this and spread_mas
 // clang-format off
 #define SPANTEX_SPREAD(X, TWICE) "muls " X ", " TWICE ", " X "\n ands " X ", " X ", %[mask]\n"
 #define SPANTEX_READ "ldmia %[from]!, {r4, r5, r6}\n lsls r4, r4, #1\n lsrs r5, r5, #27\n lsrs r6, r6, #27\n"  // address, fu, fv
-#define SPANTEX_NEXT(LOOP) "adds %[s], %[s], #8\n mov %[out], %[s]\n cmp %[from], %[end]\n " LOOP
+#define SPANTEX_NEXT(LOOP) "adds %[s], %[s], #8\n mov %[out], %[s]\n cmp %[s], %[end]\n " LOOP
 // t00 (32 - high) + side d1 + ... as 32 t00 + (side - t00) high + (t11 - side) low. Two columns of code, for pixels left and right of the diagonal: going
 // from one to the other is the branch that parts them.
 #define SPANTEX_TAIL(HIGH, LOW, OFFSET) SPANTEX_SPREAD("%[x]", "%[twice]") SPANTEX_SPREAD("%[s]", "%[twice]") SPANTEX_SPREAD("r4", "%[twice]") \
@@ -164,7 +164,7 @@ inline constexpr uint32_t twice = 0x10001;  // a texel times this and spread_mas
 // count > 0
 [[gnu::always_inline]] inline void three_points(uint16_t* to, const uint32_t* from, int count, int32_t pitch_bytes) {
   uint32_t s = -uint32_t(count) & 3, x;
-  const uint32_t* const end = from + 3 * count;
+  const uint16_t* const end = to + count;
   uint16_t* out = to - s;
   asm volatile(
       ".syntax unified\n" SPANTEX_ENTER
@@ -201,7 +201,7 @@ inline constexpr uint32_t twice = 0x10001;  // a texel times this and spread_mas
 // count > 0
 [[gnu::always_inline]] inline void four_points(uint16_t* to, const uint32_t* from, int count, int32_t pitch_bytes) {
   uint32_t s = -uint32_t(count) & 3, x, y;
-  const uint32_t* const end = from + 3 * count;
+  const uint16_t* const end = to + count;
   uint16_t* out = to - s;
   asm volatile(
       ".syntax unified\n" SPANTEX_ENTER
@@ -240,13 +240,14 @@ inline void coarse_pixels(uint16_t* out, const uint32_t* fine, const uint32_t* f
   register uint32_t y asm("r1");
   register uint32_t s asm("r2");
   uint32_t mask;
-  const uint32_t two = twice, spread = spread_mask, *const end = from + 3 * count;
+  const uint32_t two = twice, spread = spread_mask;
+  const uint16_t* const end = out + count;
   asm volatile(
       ".syntax unified\n 1:\n" SPANTEX_LEVEL
       "mov %[mask], %[fine]\n ldmia %[mask]!, {%[x], %[y], %[s]}\n mov %[fine], %[mask]\n adds r4, r4, %[x]\n adds r5, r5, %[y]\n adds r6, r6, %[s]\n"
       "lsls %[x], r4, #11\n subs r6, r6, %[x]\n lsls %[x], r5, #10\n subs r4, r4, %[x]\n"  // B and R alone
       "add r4, %[half]\n lsrs r4, r4, #14\n lsls r4, r4, #6\n lsrs r5, r5, #14\n adcs r4, r4, r5\n lsls r4, r4, #5\n lsrs r6, r6, #14\n adcs r4, r4, r6\n"
-      "mov %[x], %[out]\n strh r4, [%[x]]\n adds %[x], %[x], #2\n mov %[out], %[x]\n cmp %[from], %[end]\n bne 1b\n"
+      "mov %[x], %[out]\n strh r4, [%[x]]\n adds %[x], %[x], #2\n mov %[out], %[x]\n cmp %[x], %[end]\n bne 1b\n"
       : [out] "+h"(out), [fine] "+h"(fine), [from] "+l"(from), [s] "=&l"(s), [x] "=&l"(x), [y] "=&l"(y), [mask] "=&l"(mask)
       : [twice] "m"(two), [spread] "m"(spread), [half] "h"(1u << 13), [pitch] "h"(pitch_bytes), [end] "h"(end)
       : "r4", "r5", "r6", "memory", "cc");
