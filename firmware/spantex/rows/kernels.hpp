@@ -185,13 +185,15 @@ inline void nearest_masked_run(uint16_t* out, int count, const walk& from, const
     dsp::eight_points(out, between.words, n, uint32_t(fine.pitch_bytes));
   }
 #elif SPANTEX_ROWS_THUMB1
-  constexpr int most = thumb1::scratch_words / 6;
-  for (; count > 0; count -= most, out += most) {
+  constexpr int most = thumb1::coarse_pixels_at_once;
+  uint32_t *near = between.words, *const far = near + thumb1::pixel_words * longest_run;
+  thumb1::weighted_places<16>(near, count, at, fine.origin, fine.pitch_bytes, level, 1u << blend_bits, ~0u);
+  thumb1::fine_sums(near, count, fine.pitch_bytes);
+  at.u += snap;
+  at.v += snap;
+  for (; count > 0; count -= most, out += most, near += thumb1::pixel_words * most) {
     const int n = min_of(count, most);
-    uint32_t *const near = between.words, *const far = near + 3 * most;
-    thumb1::weighted_places<16>(near, n, at, fine.origin, fine.pitch_bytes, level, 1u << blend_bits, ~0u);
-    thumb1::weighted_places<17>(far, n, {at.u + snap, at.v + snap, at.du, at.dv, at.ddu, at.ddv}, coarse.origin, coarse.pitch_bytes, level, 0, 1);
-    thumb1::fine_sums(near, n, fine.pitch_bytes);
+    thumb1::weighted_places<17>(far, n, at, coarse.origin, coarse.pitch_bytes, level, 0, 1);
     thumb1::coarse_pixels(out, near, far, n, coarse.pitch_bytes);
     at = advanced(at, n);
     level.start += n * level.step;

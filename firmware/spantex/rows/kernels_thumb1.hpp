@@ -86,8 +86,8 @@ SPANTEX_WRAPS inline void nearest_masked(uint16_t* out, int count, walk& at, con
 #undef SPANTEX_MASKED
 #undef SPANTEX_LOOP
 
-// Three words a pixel, of 32 at most: a texel's address / 2, fractions of u and v, 2^-32 texel. Four pixels at a time, the last ones in vain.
-inline constexpr int scratch_words = 3 * 32;
+// Three words a pixel: a texel's address / 2, fractions of u and v, 2^-32 texel. Four pixels at a time, the last ones in vain.
+inline constexpr int pixel_words = 3, coarse_pixels_at_once = 16, scratch_words = pixel_words * (32 + coarse_pixels_at_once);
 
 // clang-format off
 #define SPANTEX_PLACE "stmia %[to]!, {%[a], %[u], %[v]}\n" SPANTEX_STEP
@@ -125,7 +125,7 @@ template <int Bits>
 
 // With a level's weight, first + sign f, in the lowest bits of v, below what the fraction fills; f: fraction of the level of detail.
 template <int Bits>
-inline void weighted_places(uint32_t* to, int count, const walk& at, const texel565* origin, int32_t pitch_bytes, const level_run& level, uint32_t first, uint32_t sign) {
+[[gnu::always_inline]] inline void weighted_places(uint32_t* to, int count, const walk& at, const texel565* origin, int32_t pitch_bytes, const level_run& level, uint32_t first, uint32_t sign) {
   const auto weight_at = [&](int32_t x) { return first + sign * fraction_of(x); };
   if ((at.ddu | at.ddv | level.step) == 0) {
     carried c = carried_of(at, origin, pitch_bytes, Bits);
@@ -225,7 +225,7 @@ inline constexpr uint32_t twice = 0x10001;  // a texel times this and spread_mas
 // clang-format on
 
 // The finer level's places become its sums. count > 0
-inline void fine_sums(uint32_t* from, int count, int32_t pitch_bytes) {
+[[gnu::always_inline]] inline void fine_sums(uint32_t* from, int count, int32_t pitch_bytes) {
   uint32_t s, x, y, mask;
   const uint32_t two = twice, spread = spread_mask, *const end = from + 3 * count;
   asm volatile(".syntax unified\n 1:\n" SPANTEX_LEVEL "subs %[from], %[from], #12\n stmia %[from]!, {r4, r5, r6}\n cmp %[from], %[end]\n bne 1b\n"
@@ -235,7 +235,7 @@ inline void fine_sums(uint32_t* from, int count, int32_t pitch_bytes) {
 }
 
 // The coarser level's places and the finer one's sums become pixels. count > 0
-inline void coarse_pixels(uint16_t* out, const uint32_t* fine, const uint32_t* from, int count, int32_t pitch_bytes) {
+[[gnu::always_inline]] inline void coarse_pixels(uint16_t* out, const uint32_t* fine, const uint32_t* from, int count, int32_t pitch_bytes) {
   register uint32_t x asm("r0");
   register uint32_t y asm("r1");
   register uint32_t s asm("r2");
