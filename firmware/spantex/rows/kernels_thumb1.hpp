@@ -8,7 +8,9 @@
 #pragma once
 #include <stdint.h>
 
-#include <spantex/bits.hpp>
+#include <spantex/rows/block.hpp>
+#include <spantex/rows/packed.hpp>
+#include <spantex/rows/sample.hpp>
 
 namespace spantex::rows::thumb1 {
 
@@ -146,7 +148,7 @@ inline constexpr uint32_t twice = 0x10001;  // a texel times this and spread_mas
 // clang-format off
 #define SPANTEX_SPREAD(X, TWICE) "muls " X ", " TWICE ", " X "\n ands " X ", " X ", %[mask]\n"
 #define SPANTEX_READ "ldmia %[from]!, {r4, r5, r6}\n lsls r4, r4, #1\n lsrs r5, r5, #27\n lsrs r6, r6, #27\n"  // address, fu, fv
-#define SPANTEX_NEXT(LOOP) "adds %[s], %[s], #8\n mov %[out], %[s]\n cmp %[s], %[end]\n " LOOP
+#define SPANTEX_NEXT(BYTES, LOOP) "adds %[s], %[s], #" BYTES "\n mov %[out], %[s]\n cmp %[s], %[end]\n " LOOP
 // t00 (32 - high) + side d1 + ... as 32 t00 + (side - t00) high + (t11 - side) low. Two columns of code, for pixels left and right of the diagonal: going
 // from one to the other is the branch that parts them.
 #define SPANTEX_TAIL(HIGH, LOW, OFFSET) SPANTEX_SPREAD("%[x]", "%[twice]") SPANTEX_SPREAD("%[s]", "%[twice]") SPANTEX_SPREAD("r4", "%[twice]") \
@@ -157,8 +159,9 @@ inline constexpr uint32_t twice = 0x10001;  // a texel times this and spread_mas
                       "add r4, %[pitch]\n ldrh %[s], [r4]\n ldrh r4, [r4, #2]\n" SPANTEX_TAIL("r6", "r5", OFFSET)
 #define SPANTEX_RIGHT(N, OFFSET) "2" N ":\n" SPANTEX_READ "ldrh %[x], [r4]\n cmp r6, r5\n bge 3" N "b\n 4" N ":\n" \
                       "ldrh %[s], [r4, #2]\n add r4, %[pitch]\n ldrh r4, [r4, #2]\n" SPANTEX_TAIL("r5", "r6", OFFSET)
-// Entered at the pixel that leaves a multiple of four: to - 2 that pixel is `out`.
-#define SPANTEX_ENTER "cmp %[s], #2\n blo 6f\n beq 5f\n b 13f\n 5: b 12f\n 6: cmp %[s], #1\n bne 10f\n b 11f\n"
+// Entered at the pixel that leaves a multiple of the pixels in the loop: `out` is that many before the first. BYTES: of a pixel's code, which is checked.
+#define SPANTEX_ENTER(BYTES) ".syntax unified\n movs %[x], #" BYTES "\n muls %[x], %[s], %[x]\n add pc, %[x]\n nop\n 8:\n"
+#define SPANTEX_PIXELS_ARE(BYTES) ".if . - 8b - (" BYTES ")\n .error \"spantex: length of a pixel's code\"\n .endif\n"
 // clang-format on
 
 // count > 0
@@ -167,9 +170,9 @@ inline constexpr uint32_t twice = 0x10001;  // a texel times this and spread_mas
   const uint16_t* const end = to + count;
   uint16_t* out = to - s;
   asm volatile(
-      ".syntax unified\n" SPANTEX_ENTER
-      SPANTEX_LEFT("0", "0") SPANTEX_LEFT("1", "2") SPANTEX_LEFT("2", "4") SPANTEX_LEFT("3", "6") SPANTEX_NEXT("bne 10b\n b 9f\n")
-      SPANTEX_RIGHT("0", "0") SPANTEX_RIGHT("1", "2") SPANTEX_RIGHT("2", "4") SPANTEX_RIGHT("3", "6") SPANTEX_NEXT("bne 20b\n")
+      SPANTEX_ENTER("60")
+      SPANTEX_LEFT("0", "0") SPANTEX_LEFT("1", "2") SPANTEX_LEFT("2", "4") SPANTEX_LEFT("3", "6") SPANTEX_PIXELS_ARE("4 * 60") SPANTEX_NEXT("8", "bne 10b\n b 9f\n")
+      SPANTEX_RIGHT("0", "0") SPANTEX_RIGHT("1", "2") SPANTEX_RIGHT("2", "4") SPANTEX_RIGHT("3", "6") SPANTEX_NEXT("8", "bne 20b\n")
       "9:\n"
       : [out] "+h"(out), [from] "+l"(from), [s] "+l"(s), [x] "=&l"(x)
       : [twice] "l"(twice), [mask] "l"(spread_mask), [half] "h"((1u | 1u << 11 | 1u << 21) << 4), [pitch] "h"(pitch_bytes), [end] "h"(end)
@@ -187,8 +190,8 @@ inline constexpr uint32_t twice = 0x10001;  // a texel times this and spread_mas
 #define SPANTEX_ROW(X, Y) SPANTEX_SPREAD(X, "%[s]") SPANTEX_SPREAD(Y, "%[s]") "subs " Y ", " Y ", " X "\n muls " Y ", r5, " Y "\n lsls " X ", " X ", #5\n adds " X ", " X ", " Y "\n"
 #define SPANTEX_LERP(A, B) "subs " B ", " B ", " A "\n muls " B ", r6, " B "\n"
 #define SPANTEX_SUM(A, B) "lsls " A ", " A ", #5\n adds " B ", " B ", " A "\n"
-#define SPANTEX_BILINEAR(N, OFFSET) \
-  "1" N ":\n mov %[s], %[twice]\n" SPANTEX_READ \
+#define SPANTEX_BILINEAR(OFFSET) \
+  "mov %[s], %[twice]\n" SPANTEX_READ \
   "ldrh %[x], [r4]\n ldrh %[y], [r4, #2]\n" SPANTEX_ROW("%[x]", "%[y]") \
   "add r4, %[pitch]\n ldrh %[y], [r4]\n ldrh r4, [r4, #2]\n" SPANTEX_ROW("%[y]", "r4") \
   "lsrs r4, %[x], #21\n lsrs r5, %[y], #21\n" SPANTEX_LERP("r4", "r5") "adds r4, r4, #16\n" SPANTEX_SUM("r4", "r5") \
@@ -200,12 +203,14 @@ inline constexpr uint32_t twice = 0x10001;  // a texel times this and spread_mas
 
 // count > 0
 [[gnu::always_inline]] inline void four_points(uint16_t* to, const uint32_t* from, int count, int32_t pitch_bytes) {
-  uint32_t s = -uint32_t(count) & 3, x, y;
+  uint32_t s = -uint32_t(count) & 7, x, y;
   const uint16_t* const end = to + count;
   uint16_t* out = to - s;
   asm volatile(
-      ".syntax unified\n" SPANTEX_ENTER
-      SPANTEX_BILINEAR("0", "0") SPANTEX_BILINEAR("1", "2") SPANTEX_BILINEAR("2", "4") SPANTEX_BILINEAR("3", "6") SPANTEX_NEXT("beq 9f\n b 10b\n")
+      SPANTEX_ENTER("108")
+      SPANTEX_BILINEAR("0") SPANTEX_BILINEAR("2") SPANTEX_BILINEAR("4") SPANTEX_BILINEAR("6")
+      SPANTEX_BILINEAR("8") SPANTEX_BILINEAR("10") SPANTEX_BILINEAR("12") SPANTEX_BILINEAR("14") SPANTEX_PIXELS_ARE("8 * 108")
+      SPANTEX_NEXT("16", "beq 9f\n b 8b\n")
       "9:\n"
       : [out] "+h"(out), [from] "+l"(from), [s] "+l"(s), [x] "=&l"(x), [y] "=&l"(y)
       : [twice] "h"(twice), [mask] "l"(spread_mask), [pitch] "h"(pitch_bytes), [end] "h"(end)
@@ -258,6 +263,7 @@ inline constexpr uint32_t twice = 0x10001;  // a texel times this and spread_mas
 #undef SPANTEX_READ
 #undef SPANTEX_NEXT
 #undef SPANTEX_ENTER
+#undef SPANTEX_PIXELS_ARE
 #undef SPANTEX_ROW
 #undef SPANTEX_LERP
 #undef SPANTEX_SUM
