@@ -3,8 +3,8 @@
 // whose carries step the texel's address: no position is shifted, no row multiplied by the pitch. Filters take two loops, with an address and two
 // fractions a pixel in memory between them; what is only added or copied lies in the upper registers.
 //
-//   instructions a pixel, loop included   nearest 7 (masked 9.4)   places 6.5   three-point 31   bilinear 57
-//   along bent rows                       nearest 11.4 (11.4)      places 13
+//   instructions a pixel, loop included   nearest 7, bent rows 11.4 (masked 9.4, 11.4)
+//                                         places 6.2, bent rows 12.5   three-point 31   bilinear 55   trilinear 49 + 69
 #pragma once
 #include <stdint.h>
 

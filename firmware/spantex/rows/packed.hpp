@@ -21,11 +21,13 @@
 #define SPANTEX_ROWS_MVE 0
 #endif
 
-// Where code is to be small the plain loops are.
+// Where code is to be small the plain loops are; a frame pointer would take a register here too (-DSPANTEX_ROWS_THUMB1=0).
+#ifndef SPANTEX_ROWS_THUMB1
 #if defined(__thumb__) && !defined(__thumb2__) && defined(__ARMEL__) && defined(__OPTIMIZE__) && !defined(__OPTIMIZE_SIZE__)
 #define SPANTEX_ROWS_THUMB1 1
 #else
 #define SPANTEX_ROWS_THUMB1 0
+#endif
 #endif
 
 namespace spantex::rows {
