@@ -146,12 +146,17 @@ class painter {
 
   struct block_part { int32_t x0, y0; int8_t left, right, top, bottom; };
 
+  // A copy is not read again row by row, but costs stack.
+#ifdef __OPTIMIZE_SIZE__
+  using part_of_rows = const block_part&;
+#else
+  using part_of_rows = const block_part;
+#endif
   template <class Row>
-  [[gnu::always_inline]] void each_row(const block_part& part, const Row& draw_row) {
+  [[gnu::always_inline]] void each_row(part_of_rows part, const Row& draw_row) {
     const uint32_t wanted = detail::columns(part.left, part.right);
-    const int left = part.left, width = part.right - left, bottom = part.bottom;
-    for (int32_t j = part.top; j < bottom; ++j) {
-      int first = left, count = width;
+    for (int32_t j = part.top; j < part.bottom; ++j) {
+      int first = part.left, count = part.right - part.left;
       if constexpr (!Cover::whole_rows) {
         const uint32_t mask = cover_.row(j) & wanted;
         if (mask == 0) continue;
