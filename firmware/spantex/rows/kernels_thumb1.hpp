@@ -99,7 +99,7 @@ inline constexpr int pixel_words = 3, coarse_pixels_at_once = 16, scratch_words 
 // clang-format on
 
 [[gnu::always_inline]] inline void places(uint32_t* to, int count, const carried& c) {
-  const uint32_t* const end = to + 3 * ((count + 3) & ~3);
+  const uint32_t* const end = to + pixel_words * ((count + 3) & ~3);
   register uint32_t a asm("r4") = c.at;
   register uint32_t u asm("r5") = c.u;
   register uint32_t v asm("r6") = c.v;
@@ -111,7 +111,7 @@ inline constexpr int pixel_words = 3, coarse_pixels_at_once = 16, scratch_words 
 
 template <int Bits>
 [[gnu::always_inline]] inline void bent_places(uint32_t* to, int count, const walk& at, const texel565* origin, int32_t pitch_bytes) {
-  const uint32_t* const end = to + 3 * ((count + 3) & ~3);
+  const uint32_t* const end = to + pixel_words * ((count + 3) & ~3);
   int32_t u = at.u, v = at.v, du = at.du, dv = at.dv;
   asm volatile(SPANTEX_4_PLACES(SPANTEX_BENT_PLACE)
                : [to] "+l"(to), [u] "+l"(u), [v] "+l"(v), [du] "+h"(du), [dv] "+h"(dv)
@@ -135,7 +135,7 @@ template <int Bits>
     return places(to, count, c);
   }
   bent_places<Bits>(to, count, at, origin, pitch_bytes);
-  for (int32_t x = level.start; count > 0; --count, to += 3, x += level.step) to[2] |= weight_at(x);
+  for (int32_t x = level.start; count > 0; --count, to += pixel_words, x += level.step) to[2] |= weight_at(x);
 }
 #undef SPANTEX_STEP
 #undef SPANTEX_BEND
@@ -159,7 +159,7 @@ inline constexpr uint32_t twice = 0x10001;  // a texel times this and spread_mas
                       "add r4, %[pitch]\n ldrh %[s], [r4]\n ldrh r4, [r4, #2]\n" SPANTEX_TAIL("r6", "r5", OFFSET)
 #define SPANTEX_RIGHT(N, OFFSET) "2" N ":\n" SPANTEX_READ "ldrh %[x], [r4]\n cmp r6, r5\n bge 3" N "b\n 4" N ":\n" \
                       "ldrh %[s], [r4, #2]\n add r4, %[pitch]\n ldrh r4, [r4, #2]\n" SPANTEX_TAIL("r5", "r6", OFFSET)
-// Entered at the pixel that leaves a multiple of the pixels in the loop: `out` is that many before the first. BYTES: of a pixel's code, which is checked.
+// Entered by a jump over `s` pixels, so that a multiple of the loop's is left; `out` is that many before the first. BYTES: of a pixel's code, which is checked.
 #define SPANTEX_ENTER(BYTES) ".syntax unified\n movs %[x], #" BYTES "\n muls %[x], %[s], %[x]\n add pc, %[x]\n nop\n 8:\n"
 #define SPANTEX_PIXELS_ARE(BYTES) ".if . - 8b - (" BYTES ")\n .error \"spantex: length of a pixel's code\"\n .endif\n"
 // clang-format on
@@ -232,7 +232,7 @@ inline constexpr uint32_t twice = 0x10001;  // a texel times this and spread_mas
 // The finer level's places become its sums. count > 0
 [[gnu::always_inline]] inline void fine_sums(uint32_t* from, int count, int32_t pitch_bytes) {
   uint32_t s, x, y, mask;
-  const uint32_t two = twice, spread = spread_mask, *const end = from + 3 * count;
+  const uint32_t two = twice, spread = spread_mask, *const end = from + pixel_words * count;
   asm volatile(".syntax unified\n 1:\n" SPANTEX_LEVEL "subs %[from], %[from], #12\n stmia %[from]!, {r4, r5, r6}\n cmp %[from], %[end]\n bne 1b\n"
                : [from] "+l"(from), [s] "=&l"(s), [x] "=&l"(x), [y] "=&l"(y), [mask] "=&l"(mask)
                : [twice] "m"(two), [spread] "m"(spread), [pitch] "h"(pitch_bytes), [end] "h"(end)
