@@ -119,18 +119,29 @@ SPANTEX_INLINE v means_of_rows(const row_levels& map, const on_level<Shift>& fin
   const v samples = get(rows.samples + k), pitch = look_up(of_samples.half_pitch, samples), centre_u = get(p.u + k), centre_v = get(p.v + k);
   const v minus_u = get(rows.u + k) >> 31, minus_v = get(rows.v + k) >> 31, length_u = (get(rows.u + k) ^ minus_u) - minus_u, length_v = (get(rows.v + k) ^ minus_v) - minus_v;
   const bool two = !all_equal(fraction, 0);
-  colour_sums near, far;
-  const auto add = [&](v u, v w, int s) SPANTEX_INLINED {
-    const v counted = v(samples > s);
-    add_colours(near, blended_at<MasksOnly>(map, fine, u, w), counted, s < fewest);
-    if (two) add_colours(far, blended_at<MasksOnly>(map, coarse, u, w), counted, s < fewest);
+  constexpr int placed = places_first ? q.max_samples : 1;
+  struct samples_on { lanes_places places[placed]; colour_sums sums; } near, far;
+  const auto add = [&](const on_level<Shift>& level, samples_on& on, int s) SPANTEX_INLINED {
+    add_colours(on.sums, blended(map, on.places[s % placed], level.down), v(samples > s), s < fewest);
+  };
+  const auto take = [&](const on_level<Shift>& level, samples_on& on, v u, v w, int s) SPANTEX_INLINED {
+    place<MasksOnly>(level, u, w, on.places[s % placed]);
+    if (!places_first) add(level, on, s);
+  };
+  const auto take_both = [&](v u, v w, int s) SPANTEX_INLINED {
+    take(fine, near, u, w, s);
+    if (two) take(coarse, far, u, w, s);
   };
   for (int s = 0; s < most; s += 2) {
     const v m = small_products(largest(samples - 1 - s, set(0)), pitch), u = (along(length_u, m) ^ minus_u) - minus_u, w = (along(length_v, m) ^ minus_v) - minus_v;
-    add(centre_u + (-u >> 2), centre_v + (-w >> 2), s);
-    if (s + 1 < most) add(centre_u + (u >> 2), centre_v + (w >> 2), s + 1);
+    take_both(centre_u + (-u >> 2), centre_v + (-w >> 2), s);
+    if (s + 1 < most) take_both(centre_u + (u >> 2), centre_v + (w >> 2), s + 1);
   }
-  return means_between(near, far, fraction, samples, look_up(of_samples.inverse, samples));
+  for (int s = 0; places_first && s < most; ++s) {
+    add(fine, near, s);
+    if (two) add(coarse, far, s);
+  }
+  return means_between(near.sums, far.sums, fraction, samples, look_up(of_samples.inverse, samples));
 }
 
 template <bool MasksOnly>
@@ -161,7 +172,10 @@ template <bool MasksOnly>
   if (several && !find_rows(c, 2 * max_of(0, min_of(longest_row / 2, map.place_limit() - reach_of(c))), rows)) return false;
   write_span(work, sx, mask, [&](int k) SPANTEX_INLINED {
     const auto [fewest, most] = numbers_of(rows.samples + k);
-    if (most == 1) return pixels.at(k);
+    if (most == 1) {
+      pixels.place(k / width);
+      return pixels.at(k / width);
+    }
     const v level = get(p.level + k), whole = level >> q.level_bits;
     if (!all_equal(whole, whole[0])) [[unlikely]] return means_by_lane<MasksOnly>(map, work.last_level, p, rows, k, fewest, most);
     pixels.hold(whole[0]);

@@ -2,6 +2,8 @@
 // Vector kernels: what NEON (arm64) has no operator for. Included by ../neon.cpp alone.
 #pragma once
 
+constexpr bool places_first = false;
+
 SPANTEX_INLINE v products(v a, v b) {  // of both halves of a lane, added up
   const int16x8_t x = int16x8_t(a), y = int16x8_t(b);
   return v(vpaddq_s32(vmull_s16(vget_low_s16(x), vget_low_s16(y)), vmull_high_s16(x, y)));

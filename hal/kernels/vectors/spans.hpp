@@ -51,36 +51,42 @@ SPANTEX_INLINE v wrapped_texel(v at, const on_level<Shift>& l) {
   return least16(largest16(at, l.field[row_levels::low]), l.field[row_levels::high]);
 }
 
-// Four texels of each lane, interpolated.
+// Where `width` lanes have their four texels on a level: the upper left ones' places in the map; weights of 128, u in the lower half, v in the upper.
+struct alignas(sizeof(v)) lanes_places { int32_t top[width], fraction[width]; };
+
 template <bool MasksOnly, class Shift>
-SPANTEX_INLINE blends blended_at(const row_levels& map, const on_level<Shift>& l, v position_u, v position_v) {
+SPANTEX_INLINE void place(const on_level<Shift>& l, v position_u, v position_v, lanes_places& out) {
   const v u = (position_u + l.add_u) >> l.cut, w = (position_v + l.add_v) >> l.cut;
   const v texel = wrapped_texel<MasksOnly>(halves(u >> q.subtexel_bits, w << (16 - q.subtexel_bits)), l);
-  const v top = products(texel, l.field[row_levels::step]) + l.field[row_levels::origin], fraction = halves(u, w << 16) & 0x007F007F;
-  alignas(sizeof(v)) int32_t at[2][width];
-  const uint32_t* const index = reinterpret_cast<const uint32_t*>(at);
-  put(at[0], top);
-  if constexpr (sizeof l.down == sizeof(int32_t)) {
-    return blend(map.texels(), index, map.texels() + l.down, index, fraction);
-  } else {
-    put(at[1], top + l.down);
-    return blend(map.texels(), index, map.texels(), index + width, fraction);
-  }
+  put(out.top, products(texel, l.field[row_levels::step]) + l.field[row_levels::origin]);
+  put(out.fraction, halves(u, w << 16) & 0x007F007F);
 }
 
-template <bool MasksOnly, bool TwoLevels, class Shift>
-SPANTEX_INLINE v pixels_by_level(const row_levels& map, const on_level<Shift>& fine, const on_level<Shift>& coarse, v u, v w, v fraction) {
-  const blends near = blended_at<MasksOnly>(map, fine, u, w);
-  if constexpr (TwoLevels) return pixels_between(near, blended_at<MasksOnly>(map, coarse, u, w), fraction);
-  else return pixels_of(near);
+// The four texels, interpolated; down: to the texels below.
+SPANTEX_INLINE blends blended(const row_levels& map, const lanes_places& at, int32_t down) {
+  const uint32_t* const index = reinterpret_cast<const uint32_t*>(at.top);
+  return blend(map.texels(), index, map.texels() + down, index, get(at.fraction));
+}
+SPANTEX_INLINE blends blended(const row_levels& map, const lanes_places& at, v down) {
+  alignas(sizeof(v)) int32_t below[width];
+  put(below, get(at.top) + down);
+  return blend(map.texels(), reinterpret_cast<const uint32_t*>(at.top), map.texels(), reinterpret_cast<const uint32_t*>(below), get(at.fraction));
 }
 
+template <bool MasksOnly, class Shift>
+SPANTEX_INLINE blends blended_at(const row_levels& map, const on_level<Shift>& l, v position_u, v position_v) {
+  lanes_places at;
+  place<MasksOnly>(l, position_u, position_v, at);
+  return blended(map, at, l.down);
+}
+
+// Lanes on levels of their own.
 template <bool MasksOnly, bool TwoLevels>
-[[gnu::noinline]] v pixels_by_lane(const row_levels& map, const int32_t* fine, const int32_t* coarse, const span_positions& p, int k, const int32_t* fraction) {
-  const v u = get(p.u + k), w = get(p.v + k);
-  const on_level<v> near = level_by_lane(map, fine, p);
-  if constexpr (TwoLevels) return pixels_by_level<MasksOnly, true>(map, near, level_by_lane(map, coarse, p), u, w, get(fraction));
-  else return pixels_by_level<MasksOnly, false>(map, near, near, u, w, get(fraction));
+[[gnu::noinline]] v pixels_by_lane(const row_levels& map, const int32_t* fine, const int32_t* coarse, const span_positions& p, int n, v fraction) {
+  const v u = get(p.u + width * n), w = get(p.v + width * n);
+  const blends near = blended_at<MasksOnly>(map, level_by_lane(map, fine, p), u, w);
+  if constexpr (TwoLevels) return pixels_between(near, blended_at<MasksOnly>(map, level_by_lane(map, coarse, p), u, w), fraction);
+  else return pixels_of(near);
 }
 
 // A row's part to where the mask has pixels.
@@ -109,31 +115,47 @@ SPANTEX_INLINE void write_span(const row_work& work, int32_t sx, span_mask mask,
   }
 }
 
+// A span's texels by place(n) and pixels by at(n), for each of its groups of `width` pixels. Machines that place first find all places before they read
+// the first texel, so that reading does not wait for them; the others have memory for one group.
+constexpr int groups = span_pixel_count / width, placed_groups = places_first ? groups : 1;
+
+SPANTEX_INLINE void draw_groups(const row_work& work, int32_t sx, span_mask mask, auto&& place, auto&& at) {
+  if (places_first)
+#pragma GCC unroll 2
+    for (int n = 0; n < groups; ++n) place(n);
+  write_span(work, sx, mask, [&](int k) SPANTEX_INLINED {
+    if (!places_first) place(k / width);
+    return at(k / width);
+  });
+}
+
 template <bool MasksOnly>
 SPANTEX_INLINE void draw_nearest(const row_work& work, int32_t sx, span_mask mask, const span_positions& p) {
   const row_levels& map = work.texels->levels_in_rows();
   const on_level<int32_t> l = level_at_once(map, 0, p);
   const v base = halves(set(p.base_u >> q.coordinate_bits), set(p.base_v << (16 - q.coordinate_bits)));
-  write_span(work, sx, mask, [&](int k) SPANTEX_INLINED {
-    const v texel = wrapped_texel<MasksOnly>(add16(base, halves(get(p.u + k) >> q.coordinate_bits, get(p.v + k) << (16 - q.coordinate_bits))), l);
-    alignas(sizeof(v)) int32_t at[width];
-    put(at, products(texel, l.field[row_levels::step]) + l.field[row_levels::origin]);
-    return texels_at(map.texels(), reinterpret_cast<const uint32_t*>(at));
-  });
+  alignas(sizeof(v)) int32_t places[placed_groups][width];
+  const auto place = [&](int n) SPANTEX_INLINED {
+    const v texels = halves(get(p.u + width * n) >> q.coordinate_bits, get(p.v + width * n) << (16 - q.coordinate_bits));
+    put(places[n % placed_groups], products(wrapped_texel<MasksOnly>(add16(base, texels), l), l.field[row_levels::step]) + l.field[row_levels::origin]);
+  };
+  draw_groups(work, sx, mask, place, [&](int n) SPANTEX_INLINED { return texels_at(map.texels(), reinterpret_cast<const uint32_t*>(places[n % placed_groups])); });
 }
 
 template <bool MasksOnly>
 SPANTEX_INLINE void draw_bilinear(const row_work& work, int32_t sx, span_mask mask, const span_positions& p) {
   const row_levels& map = work.texels->levels_in_rows();
   const on_level<int32_t> l = level_at_once(map, 0, p);
-  write_span(work, sx, mask, [&](int k) SPANTEX_INLINED { return pixels_of(blended_at<MasksOnly>(map, l, get(p.u + k), get(p.v + k))); });
+  lanes_places places[placed_groups];
+  draw_groups(work, sx, mask, [&](int n) SPANTEX_INLINED { place<MasksOnly>(l, get(p.u + width * n), get(p.v + width * n), places[n % placed_groups]); },
+              [&](int n) SPANTEX_INLINED { return pixels_of(blended(map, places[n % placed_groups], l.down)); });
 }
 
 // integer_level() of a level of detail, lanes or one: ceil(d + 1/2) - 1 is floor(d + 127/256).
 template <bool TwoLevels>
 SPANTEX_INLINE auto whole_level(auto level) { return (TwoLevels ? level : level + 127) >> q.level_bits; }
 
-// `width` pixels of a span at a time, on their levels of detail.
+// `width` pixels of a span at a time, on their levels of detail: place(n) for the n-th of them, then at(n).
 template <bool MasksOnly, bool TwoLevels>
 class pixels_on_levels {
  public:
@@ -147,20 +169,29 @@ class pixels_on_levels {
     return in;
   }
 
-  SPANTEX_INLINE v at(int k) {
-    const v level = get(positions_.level + k), u = get(positions_.u + k), w = get(positions_.v + k);
-    const v whole = whole_level<TwoLevels>(level), fraction = level & 255;
+  SPANTEX_INLINE void place(int n) {
+    const v level = get(positions_.level + width * n), u = get(positions_.u + width * n), w = get(positions_.v + width * n), whole = whole_level<TwoLevels>(level);
     const int32_t first = whole[0];
-    if (!all_equal(whole, first)) [[unlikely]] {
-      alignas(sizeof(v)) int32_t fine[width], coarse[width], of[width];
-      put(fine, whole);
-      put(coarse, least(whole + 1, set(last_)));
-      put(of, fraction);
-      return pixels_by_lane<MasksOnly, TwoLevels>(map_, fine, coarse, positions_, k, of);
-    }
+    group& g = groups_[n % placed_groups];
+    g.taken = levels_taken::several;
+    if (!all_equal(whole, first)) [[unlikely]] return;
     hold(first);
-    if (TwoLevels && all_equal(fraction, 0)) return pixels_of_level(blended_at<MasksOnly>(map_, near_, u, w));
-    return pixels_by_level<MasksOnly, TwoLevels>(map_, near_, far_, u, w, fraction);
+    kernels::place<MasksOnly>(near_, u, w, g.near);
+    g.near_down = near_.down;
+    g.taken = levels_taken::one;
+    if (!TwoLevels || all_equal(level & 255, 0)) return;
+    kernels::place<MasksOnly>(far_, u, w, g.far);
+    g.far_down = far_.down;
+    g.taken = levels_taken::two;
+  }
+
+  SPANTEX_INLINE v at(int n) const {
+    const group& g = groups_[n % placed_groups];
+    if (g.taken == levels_taken::several) [[unlikely]] return by_lane(n);
+    const blends near = blended(map_, g.near, g.near_down);
+    if constexpr (!TwoLevels) return pixels_of(near);
+    if (g.taken == levels_taken::one) return pixels_of_level(near);
+    return pixels_between(near, blended(map_, g.far, g.far_down), get(positions_.level + width * n) & 255);
   }
 
   // What every lane's level is has been found: near() and far() are of it.
@@ -174,16 +205,32 @@ class pixels_on_levels {
   SPANTEX_INLINE const on_level<int32_t>& far() const { return far_; }
 
  private:
+  enum class levels_taken : int32_t { one, two, several };
+  struct group {
+    lanes_places near, far;
+    int32_t near_down, far_down;
+    levels_taken taken;
+  };
+
+  SPANTEX_INLINE v by_lane(int n) const {
+    const v level = get(positions_.level + width * n), whole = whole_level<TwoLevels>(level);
+    alignas(sizeof(v)) int32_t fine[width], coarse[width];
+    put(fine, whole);
+    put(coarse, least(whole + 1, set(last_)));
+    return pixels_by_lane<MasksOnly, TwoLevels>(map_, fine, coarse, positions_, n, level & 255);
+  }
+
   const row_levels& map_;
   const span_positions& positions_;
   int32_t last_, held_ = -1;
   on_level<int32_t> near_, far_;
+  group groups_[placed_groups];
 };
 
 template <bool MasksOnly, bool TwoLevels>
 SPANTEX_INLINE bool draw_by_level(const row_work& work, int32_t sx, span_mask mask, const span_positions& p) {
   pixels_on_levels<MasksOnly, TwoLevels> pixels(work, p);
   if (!pixels.all_in()) return false;
-  write_span(work, sx, mask, [&](int k) SPANTEX_INLINED { return pixels.at(k); });
+  draw_groups(work, sx, mask, [&](int n) SPANTEX_INLINED { pixels.place(n); }, [&](int n) SPANTEX_INLINED { return pixels.at(n); });
   return true;
 }

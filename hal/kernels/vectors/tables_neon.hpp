@@ -187,8 +187,10 @@ template <filter Kind>
   const row_levels& map = work.texels->levels_in_rows();
   pixels_on_levels<true, uses_two_levels(Kind)> pixels(work, p);
   if (!uses_levels(Kind)) pixels.hold(0);
-  for (int r = 0; r < quad_side; ++r, k += span_side, to += work.stride)
-    write(to, uint32_t(of_quad >> (span_side * r)), uses_levels(Kind) ? pixels.at(k) : pixels_of(blended_at<true>(map, pixels.near(), get(p.u + k), get(p.v + k))));
+  for (int r = 0; r < quad_side; ++r, k += span_side, to += work.stride) {
+    if (uses_levels(Kind)) pixels.place(k / width);
+    write(to, uint32_t(of_quad >> (span_side * r)), uses_levels(Kind) ? pixels.at(k / width) : pixels_of(blended_at<true>(map, pixels.near(), get(p.u + k), get(p.v + k))));
+  }
 }
 
 // Functions of their own, so that what others keep in registers leaves it all of them.

@@ -3,6 +3,8 @@
 // products each. Included by ../words.cpp alone.
 #pragma once
 
+constexpr bool places_first = true;
+
 SPANTEX_INLINE v products(v a, v b) { return ((a << 16) >> 16) * ((b << 16) >> 16) + (a >> 16) * (b >> 16); }  // of both halves of a lane, added up
 SPANTEX_INLINE v halves(v low, v high) { return (low & 0xFFFF) | (high & int32_t(0xFFFF0000)); }
 SPANTEX_INLINE v rounded_shift(v x, int shift) { return (x + (1 << (shift - 1))) >> shift; }  // to nearest, halves up

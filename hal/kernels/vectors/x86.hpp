@@ -2,6 +2,8 @@
 // Vector kernels: what x86 has no operator for. SPANTEX_AVX2 decides between registers of 32 and 16 bytes. Included by ../avx2.cpp and ../sse41.cpp alone.
 #pragma once
 
+constexpr bool places_first = true;
+
 #if SPANTEX_AVX2
 #define SPANTEX_OP(name) _mm256_##name
 using raw = __m256i;
