@@ -22,13 +22,15 @@ using progress_callback = std::function<void(int parts_done)>;
 class thread_team {
  public:
   explicit thread_team(int threads) {
-    for (int k = 1; k < threads; ++k) others_.emplace_back([this] { serve(); });
+    try {
+      for (int k = 1; k < threads; ++k) others_.emplace_back([this] { serve(); });
+    } catch (...) {
+      dismiss();
+      throw;
+    }
   }
   thread_team(const thread_team&) = delete;
-  ~thread_team() {
-    round_ = last_round;
-    round_.notify_all();
-  }
+  ~thread_team() { dismiss(); }
 
   // Calls work(k) for k in [0, count), each once; the first exception is thrown again here.
   template <class Work>
@@ -63,6 +65,11 @@ class thread_team {
       if (std::chrono::steady_clock::now() - begun > looking_out) return value.wait(old);
       std::this_thread::yield();  // to whoever needs the processor more
     }
+  }
+
+  void dismiss() {
+    round_ = last_round;
+    round_.notify_all();
   }
 
   void serve() {

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """Compiles each header of the device library, and of the HAL's device side, alone: g++, clang++ and, where installed, arm-none-eabi-g++
-for Cortex-M0+ as freestanding code. Any warning fails. Prints the headers that need another one first."""
+for Cortex-M0+ as freestanding code. Any warning fails. Prints the headers that need another one first. Then the drawing of rows, assembly and
+all, for cores and by compilers of which no emulator runs the result."""
 import pathlib
 import shutil
 import subprocess
@@ -16,6 +17,9 @@ COMPILERS = {
     "clang++": FREESTANDING,
     "arm-none-eabi-g++": ["-mthumb", "-mcpu=cortex-m0plus", *FREESTANDING],
 }
+
+ROWS = [("arm-none-eabi-g++", "-mthumb", "-mcpu=cortex-m23"), ("clang++", "--target=thumbv6m-none-eabi", "-mcpu=cortex-m0plus"),
+        ("clang++", "--target=thumbv7em-none-eabi", "-mcpu=cortex-m4")]
 
 
 def headers():
@@ -46,6 +50,13 @@ def main():
             if not good:
                 print(f"{compiler}: {header}", *text.splitlines()[:6], sep="\n  ")
         print(f"{compiler}: {len(headers())} headers")
+    for compiler, *core in ROWS:
+        if not shutil.which(compiler):
+            continue
+        done = subprocess.run([compiler, *core, "-O2", "-std=c++20", *FREESTANDING, "-I.", "-Ifirmware", "-c", "firmware/apps/rows_counts.cpp", "-o", "/dev/null"],
+                              capture_output=True, text=True, cwd=ROOT)
+        failed += done.returncode != 0
+        print(f"{compiler} {core[1]}: rows", *(done.stderr.splitlines()[:6] if done.returncode else []), sep="\n  " if done.returncode else " ")
     return 1 if failed else 0
 
 

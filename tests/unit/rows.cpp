@@ -86,6 +86,17 @@ SPANTEX_CASE(planes_to_the_horizon_are_drawn_in_front_of_it_only) {
   }
 }
 
+// Up to the range's end and beyond it.
+SPANTEX_CASE(planes_far_from_the_origin_are_drawn) {
+  random_source random(6);
+  for (wrap mode : {wrap::repeat, wrap::clamp, wrap::mirror})
+    for (int32_t far : {32600, -32600}) {
+      const texture_view& t = make_small_map(256, 64, 7, mode, random).view;
+      const int64_t one = 1 << 16;
+      for (filter kind : app::row_filters) check_picture({one, one / 8, far * one, one / 8, one, -far * one, 0, 0, one}, t, kind, {0, 0, width, height});
+    }
+}
+
 SPANTEX_CASE(polygons_cover_the_pixels_of_their_masks) {
   random_source random(5);
   const texture_view& t = make_small_map(64, 64, 7, wrap::repeat, random).view;
@@ -259,6 +270,7 @@ int main() {
       cmocka_unit_test(kernels_draw_what_the_specification_says_clamp),
       cmocka_unit_test(kernels_draw_what_the_specification_says_mirror),
       cmocka_unit_test(planes_to_the_horizon_are_drawn_in_front_of_it_only),
+      cmocka_unit_test(planes_far_from_the_origin_are_drawn),
       cmocka_unit_test(polygons_cover_the_pixels_of_their_masks),
       cmocka_unit_test(at_least_99_percent_of_the_texels_are_those_of_exact_arithmetic),
       cmocka_unit_test(rows_in_lanes_are_those_made_one_by_one),

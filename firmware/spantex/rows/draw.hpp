@@ -217,8 +217,8 @@ class painter {
 
   // Texels of level 0 of a map that repeats in powers of two: masks wrap, no run is cut.
   SPANTEX_WRAPS void draw_masked(block& b, const block_part& part) {
-    b.u.offset = int32_t(uint32_t(b.u.base) << 16);
-    b.v.offset = int32_t(uint32_t(b.v.base) << 16);
+    b.u.offset = (b.u.base & (map_.width() - 1)) << 16;
+    b.v.offset = (b.v.base & (map_.height() - 1)) << 16;
     const uint32_t masks = uint32_t(map_.height() - 1) << 16 | uint32_t(map_.width() - 1);
     const source s{map_.numbers(0), 2 * map_.width()};
     each_walk(b, part, 0, [&](texel565* out, int, int count, int, const walk& w) { nearest_masked_run(out, count, w, s, masks); });

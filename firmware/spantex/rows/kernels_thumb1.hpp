@@ -155,9 +155,9 @@ inline constexpr uint32_t twice = 0x10001;  // a texel times this and spread_mas
                       "subs r4, r4, %[s]\n muls r4, " LOW ", r4\n subs %[s], %[s], %[x]\n muls %[s], " HIGH ", %[s]\n lsls %[x], %[x], #5\n add %[x], %[half]\n" \
                       "adds %[x], %[x], %[s]\n adds %[x], %[x], r4\n lsrs %[x], %[x], #5\n ands %[x], %[x], %[mask]\n lsrs %[s], %[x], #16\n orrs %[x], %[x], %[s]\n" \
                       "mov %[s], %[out]\n strh %[x], [%[s], #" OFFSET "]\n"
-#define SPANTEX_LEFT(N, OFFSET) "1" N ":\n" SPANTEX_READ "ldrh %[x], [r4]\n cmp r6, r5\n blt 4" N "f\n 3" N ":\n" \
+#define SPANTEX_LEFT(N, OFFSET) "1" N ":\n" SPANTEX_READ "ldrh %[x], [r4]\n cmp r6, r5\n blt.n 4" N "f\n 3" N ":\n" \
                       "add r4, %[pitch]\n ldrh %[s], [r4]\n ldrh r4, [r4, #2]\n" SPANTEX_TAIL("r6", "r5", OFFSET)
-#define SPANTEX_RIGHT(N, OFFSET) "2" N ":\n" SPANTEX_READ "ldrh %[x], [r4]\n cmp r6, r5\n bge 3" N "b\n 4" N ":\n" \
+#define SPANTEX_RIGHT(N, OFFSET) "2" N ":\n" SPANTEX_READ "ldrh %[x], [r4]\n cmp r6, r5\n bge.n 3" N "b\n 4" N ":\n" \
                       "ldrh %[s], [r4, #2]\n add r4, %[pitch]\n ldrh r4, [r4, #2]\n" SPANTEX_TAIL("r5", "r6", OFFSET)
 // Entered by a jump over `s` pixels, so that a multiple of the loop's is left; `out` is that many before the first. BYTES: of a pixel's code, which is checked.
 #define SPANTEX_ENTER(BYTES) ".syntax unified\n movs %[x], #" BYTES "\n muls %[x], %[s], %[x]\n add pc, %[x]\n nop\n 8:\n"

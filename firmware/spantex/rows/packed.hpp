@@ -5,10 +5,10 @@
 
 #include <spantex/bits.hpp>
 
-// At -O0 a frame pointer takes a register that the loops need; with MVE gcc 12 finds too few at -Os (and at -O3 and -Og in places, which no macro
-// tells: there -DSPANTEX_ROWS_DSP=0, the plain loops, the same pixels).
+// Loops in assembly are for gcc: clang (14) finds too few registers for them. At -O0 a frame pointer takes one that they need; with MVE gcc 12 finds too
+// few at -Os (and at -O3 and -Og in places, which no macro tells: there -DSPANTEX_ROWS_DSP=0, the plain loops, the same pixels).
 #ifndef SPANTEX_ROWS_DSP
-#if defined(__ARM_FEATURE_DSP) && __ARM_FEATURE_DSP && defined(__ARMEL__) && defined(__thumb2__) && defined(__OPTIMIZE__) && !(defined(__ARM_FEATURE_MVE) && defined(__OPTIMIZE_SIZE__))
+#if !defined(__clang__) && defined(__ARM_FEATURE_DSP) && __ARM_FEATURE_DSP && defined(__ARMEL__) && defined(__thumb2__) && defined(__OPTIMIZE__) && !(defined(__ARM_FEATURE_MVE) && defined(__OPTIMIZE_SIZE__))
 #define SPANTEX_ROWS_DSP 1
 #else
 #define SPANTEX_ROWS_DSP 0
@@ -23,7 +23,7 @@
 
 // Where code is to be small the plain loops are; a frame pointer would take a register here too (-DSPANTEX_ROWS_THUMB1=0).
 #ifndef SPANTEX_ROWS_THUMB1
-#if defined(__thumb__) && !defined(__thumb2__) && defined(__ARMEL__) && defined(__OPTIMIZE__) && !defined(__OPTIMIZE_SIZE__)
+#if !defined(__clang__) && defined(__thumb__) && !defined(__thumb2__) && defined(__ARMEL__) && defined(__OPTIMIZE__) && !defined(__OPTIMIZE_SIZE__)
 #define SPANTEX_ROWS_THUMB1 1
 #else
 #define SPANTEX_ROWS_THUMB1 0

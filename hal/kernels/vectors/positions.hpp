@@ -21,7 +21,7 @@ SPANTEX_INLINE v detail_of(v level, int32_t most) {
 // s5.10 of the coefficients, s.16, by rows.
 struct row_levels16 {
   alignas(sizeof(v)) int32_t row[span_side];
-  SPANTEX_INLINE explicit row_levels16(const span_coefficients& c) {
+  SPANTEX_INLINE void read(const span_coefficients& c) {
     for (int part = 0; part < parts; ++part) put(row + width * part, levels16(c.level_row + width * part));
   }
 };
@@ -40,7 +40,8 @@ template <int Terms, bool Levels>
 SPANTEX_INLINE void find_positions(const span_coefficients& c, span_positions& out) {
   const int s = c.slope_log2, cut = c.exponent - q.coordinate_bits;
   const int32_t most = int32_t(c.last_level) << q.level_bits;
-  const row_levels16 levels(c);
+  row_levels16 levels;
+  if constexpr (Levels) levels.read(c);
   for (int part = 0; part < parts; ++part) {
     form nu(c.c_u, c.a_u, c.b_u, part), nv(c.c_v, c.a_v, c.b_v, part), twice_e(0, 2 * c.g, 2 * c.h, part);
     const v column = Levels ? levels16(c.level_column + width * part) : set(0);
@@ -104,7 +105,8 @@ static_assert(q.offset_bits - 1 - max_extent_log2 - q.coordinate_bits + q.recipr
 // level_at() where it takes a table.
 [[gnu::noinline]] void steep_levels(const span_coefficients& c, span_positions& out) {
   const int32_t most = int32_t(c.last_level) << q.level_bits;
-  const row_levels16 levels(c);
+  row_levels16 levels;
+  levels.read(c);
   for (int part = 0; part < parts; ++part) {
     form nw(1 << q.reciprocal_bits, c.g, c.h, part);
     const v column = levels16(c.level_column + width * part);

@@ -5,7 +5,9 @@
 #pragma once
 
 constexpr int most_table_level = 17 - cut_of(0);  // positions are shifted up, then down by 16
-constexpr int most_table_extent = 6;                  // log2 of texels from a base: a position's whole part fits a byte
+// log2 of texels from a base. A position's whole part fits a byte but where 1/w is nearly 2; what wraps then has left the table: each quad also has a
+// pixel next to the span's centre.
+constexpr int most_table_extent = 6;
 constexpr int quad_side = 4, quad_pixels = quad_side * quad_side;
 
 // A level as a span's quads meet it. Positions on it are 8.8, their last bit without weight, from a texel near the span's base.
