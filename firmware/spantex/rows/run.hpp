@@ -254,7 +254,7 @@ constexpr interval levels_of(const block& b, int32_t rounding, int last_level) {
   return {whole(x.low), whole(x.high)};
 }
 
-// Rows of a block one after the other: in `w` or, where vectors make four at once, in memory of their own.
+// Rows of a block, each once and one after the other (a row may be changed where it lies): in `w` or, where vectors make four at once, in memory of their own.
 struct row_maker {
 #if SPANTEX_ROWS_MVE
   walk rows[4];

@@ -51,14 +51,19 @@ SPANTEX_INLINE v wrapped_texel(v at, const on_level<Shift>& l) {
   return least16(largest16(at, l.field[row_levels::low]), l.field[row_levels::high]);
 }
 
+// Where in the map texels lie, both axes in a lane.
+template <bool MasksOnly, class Shift>
+SPANTEX_INLINE v places_of(v texels, const on_level<Shift>& l) {
+  return products(wrapped_texel<MasksOnly>(texels, l), l.field[row_levels::step]) + l.field[row_levels::origin];
+}
+
 // Where `width` lanes have their four texels on a level: the upper left ones' places in the map; weights of 128, u in the lower half, v in the upper.
 struct alignas(sizeof(v)) lanes_places { int32_t top[width], fraction[width]; };
 
 template <bool MasksOnly, class Shift>
 SPANTEX_INLINE void place(const on_level<Shift>& l, v position_u, v position_v, lanes_places& out) {
   const v u = (position_u + l.add_u) >> l.cut, w = (position_v + l.add_v) >> l.cut;
-  const v texel = wrapped_texel<MasksOnly>(halves(u >> q.subtexel_bits, w << (16 - q.subtexel_bits)), l);
-  put(out.top, products(texel, l.field[row_levels::step]) + l.field[row_levels::origin]);
+  put(out.top, places_of<MasksOnly>(halves(u >> q.subtexel_bits, w << (16 - q.subtexel_bits)), l));
   put(out.fraction, halves(u, w << 16) & 0x007F007F);
 }
 
@@ -137,7 +142,7 @@ SPANTEX_INLINE void draw_nearest(const row_work& work, int32_t sx, span_mask mas
   alignas(sizeof(v)) int32_t places[placed_groups][width];
   const auto place = [&](int n) SPANTEX_INLINED {
     const v texels = halves(get(p.u + width * n) >> q.coordinate_bits, get(p.v + width * n) << (16 - q.coordinate_bits));
-    put(places[n % placed_groups], products(wrapped_texel<MasksOnly>(add16(base, texels), l), l.field[row_levels::step]) + l.field[row_levels::origin]);
+    put(places[n % placed_groups], places_of<MasksOnly>(add16(base, texels), l));
   };
   draw_groups(work, sx, mask, place, [&](int n) SPANTEX_INLINED { return texels_at(map.texels(), reinterpret_cast<const uint32_t*>(places[n % placed_groups])); });
 }

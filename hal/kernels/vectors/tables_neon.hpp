@@ -8,7 +8,8 @@ constexpr int most_table_level = 17 - cut_of(0);  // positions are shifted up, t
 // log2 of texels from a base. A position's whole part fits a byte but where 1/w is nearly 2; what wraps then has left the table: each quad also has a
 // pixel next to the span's centre.
 constexpr int most_table_extent = 6;
-constexpr int quad_side = 4, quad_pixels = quad_side * quad_side;
+constexpr int quad_side = 4;
+constexpr span_mask whole_quad = 0x0F0F0F0F;  // of a span's mask, shifted down to the quad's first pixel
 
 // A level as a span's quads meet it. Positions on it are 8.8, their last bit without weight, from a texel near the span's base.
 struct table_level {
@@ -216,11 +217,11 @@ template <filter Kind, int Channels>
   for (int n = 0; n < 4; ++n) {
     const int k = quad_side * (n & 1) + quad_side * span_side * (n >> 1);
     const span_mask of_quad = mask >> k;
-    if ((of_quad & 0x0F0F0F0F) == 0) continue;
+    if ((of_quad & whole_quad) == 0) continue;
     rgba8* const to = corner + quad_side * (n >> 1) * stride + quad_side * (n & 1);
     const auto draw = [&](const quad& out) SPANTEX_INLINED {
       rgba8* row = to;
-      if ((of_quad & 0x0F0F0F0F) == 0x0F0F0F0F) [[likely]] {
+      if ((of_quad & whole_quad) == whole_quad) [[likely]] {
 #pragma GCC unroll 4
         for (int r = 0; r < quad_side; ++r, row += stride) put(row, out.row[r]);
         return;
@@ -230,16 +231,14 @@ template <filter Kind, int Channels>
     bool drawn = false;
     int whole = 0;
     int16x8_t fraction[2];
-    if (!by_level || one_level<two>(p.level + k, whole, fraction)) {
-      if (extent_log2 - whole <= most_table_extent && whole < most_table_level) {
-        if (whole != held) hold(whole);
-        const quad_positions at = positions_of(on, p, k);
-        if constexpr (two) {
-          const bool mixed = vmaxvq_u16(vorrq_u16(uint16x8_t(fraction[0]), uint16x8_t(fraction[1]))) != 0;
-          drawn = mixed ? quad_between<Channels>(fine, coarse, fraction, at, draw) : quad_of_level<Channels, true>(fine, at, draw);
-        } else {
-          drawn = quad_of_level<Channels, false>(fine, at, draw);
-        }
+    if ((!by_level || one_level<two>(p.level + k, whole, fraction)) && extent_log2 - whole <= most_table_extent && whole < most_table_level) {
+      if (whole != held) hold(whole);
+      const quad_positions at = positions_of(on, p, k);
+      if constexpr (two) {
+        const bool mixed = vmaxvq_u16(vorrq_u16(uint16x8_t(fraction[0]), uint16x8_t(fraction[1]))) != 0;
+        drawn = mixed ? quad_between<Channels>(fine, coarse, fraction, at, draw) : quad_of_level<Channels, true>(fine, at, draw);
+      } else {
+        drawn = quad_of_level<Channels, false>(fine, at, draw);
       }
     }
     if (!drawn) [[unlikely]] quad_without_tables<Kind>(work, p, k, of_quad, to);
