@@ -25,9 +25,35 @@
 #endif
 
 namespace spantex::kernels {
+
+// Numbers to be read from memory, which is a load: g++ would move a constant that it knows through a general register, which takes a shuffle as well. So they
+// are not const, though nobody changes them.
+template <int32_t X> int32_t number32 = X;
+template <int64_t X> int64_t number64 = X;
+
 namespace {
 
-#define SPANTEX_INLINE __attribute__((always_inline)) inline
+// What local memory does not hold: the kernel of the other machines.
+namespace by_rows {
+#define SPANTEX_TABLES 0
+#define SPANTEX_AVX2 1
+#include "vectors/common.hpp"
+constexpr int width = 8;
+#include "vectors/lanes.hpp"
+#include "vectors/x86.hpp"
+#include "vectors/reciprocal.hpp"
+#include "vectors/even_odd.hpp"
+#include "vectors/log2.hpp"
+#include "vectors/levels.hpp"
+#include "vectors/pixels.hpp"
+#include "vectors/plan_lanes.hpp"
+#include "vectors/positions.hpp"
+#include "vectors/spans.hpp"
+#include "vectors/aniso.hpp"
+#include "vectors/kernel.hpp"
+}  // namespace by_rows
+
+namespace by_blocks {
 
 #include "avx512/lanes.hpp"
 #include "avx512/plan.hpp"
@@ -36,41 +62,93 @@ namespace {
 #include "avx512/sections.hpp"
 #include "avx512/filters.hpp"
 #include "avx512/spans.hpp"
+#include "avx512/by_level.hpp"
 #include "avx512/aniso.hpp"
 
+// The batch from span `first` of the row on, planned in three parts, between which there is something else to do.
+template <filter Kind>
+struct next_batch {
+  const row_work& work;
+  int first;
+  batch& b;
+  setup s;
+
+  SPANTEX_INLINE void part(int k) {
+    if (first >= work.count) return;
+    if (k == 0) {
+      b.sx = work.sx + first;
+      b.first = first;
+      plan_bases(work, b.sx, s);
+    } else if (k == 1) {
+      plan_mantissas<Kind>(work, s, b);
+    } else {
+      plan_evaluation<Kind>(work, s, b);
+    }
+  }
+};
+
+// Spans of a batch, bit k for span k, one after another.
 template <filter Kind, int Channels>
-SPANTEX_INLINE bool draw_span(const row_work& work, const batch& b, int k) {
-  if constexpr (Kind == filter::nearest) return draw_nearest(work, b, k);
-  else if constexpr (Kind == filter::bilinear) return draw_bilinear<Channels>(work, b, k);
-  else if constexpr (Kind == filter::aniso) return draw_aniso<Channels>(work, b, k);
-  else return draw_by_level<Kind == filter::trilinear, Channels>(work, b, k);
+SPANTEX_INLINE void draw_batch(const row_work& work, const batch& b, uint32_t spans, next_batch<Kind>& next) {
+  bool held = true;  // a span after one that local memory does not hold is left as well: it is like it as a rule
+  for (int k = 0; k < batch_size; ++k) {
+    if (k == 1) next.part(0);
+    if (k == 3) next.part(1);
+    if (k == 6) next.part(2);
+    if (!(spans >> k & 1)) continue;
+    if constexpr (Kind == filter::nearest) held = draw_nearest(work, b, k);
+    else if constexpr (Kind == filter::bilinear) held = held && draw_bilinear<Channels>(work, b, k);
+    else held = held && draw_aniso<Channels>(work, b, k);
+    if (!held) work.left[b.first + k] = true;
+  }
+}
+
+// Step by step: a step is a chain of dependent operations, and those of the other spans fill its gaps.
+template <filter Kind, int Channels>
+SPANTEX_INLINE void draw_batch_on_levels(const row_work& work, const batch& b, uint32_t spans, next_batch<Kind>& next) {
+  constexpr bool two = Kind == filter::trilinear;
+  const planar_map& map = *work.texels;
+  level_span of[batch_size];
+  const auto each = [](uint32_t some, auto&& step) __attribute__((always_inline)) {
+    for (int k = 0; k < batch_size; ++k)
+      if (some >> k & 1) step(k);
+  };
+  each(spans & ~b.magnified, [&](int k) SPANTEX_INLINED { of[k].lengths = lengths_of(b, k); });
+  next.part(0);
+  each(spans, [&](int k) SPANTEX_INLINED {
+    offsets o = offsets_of(b, k);
+    take(o, of[k]);
+    if (b.magnified >> k & 1)
+      for (v16& level : of[k].level) level = _mm512_setzero_si512();
+    else
+      levels_of(work, of[k].lengths, b.slope_log2[k], o.e, of[k].level);
+  });
+  next.part(1);
+  if (map.exact()) [[likely]] each(spans, [&](int k) SPANTEX_INLINED { place<two>(map, work.last_level, b.base_u[k], b.base_v[k], of[k]); });
+  next.part(2);
+  each(spans, [&](int k) SPANTEX_INLINED {
+    const bool drawn = map.exact() ? blend_span<two, Channels>(work, b, k, of[k]) : draw_anywhere<two>(work, b, k, of[k]);
+    if (!drawn) work.left[b.first + k] = true;
+  });
 }
 
 // A batch is drawn while the next one is planned.
 template <filter Kind, int Channels>
 void draw_row(const row_work& work) {
   batch two[2];
-  setup next;
-  const auto start = [&](int first, batch& b) {
-    b.sx = work.sx + first;
-    b.first = first;
-    plan_bases(work, b.sx, next);
-  };
-  start(0, two[0]);
-  plan_mantissas<Kind>(work, next, two[0]);
-  plan_evaluation<Kind>(work, next, two[0]);
+  next_batch<Kind> start{work, 0, two[0], {}};
+  for (int k = 0; k < 3; ++k) start.part(k);
   for (int first = 0, turn = 0; first < work.count; first += batch_size, turn ^= 1) {
     const batch& b = two[turn];
-    batch& then = two[turn ^ 1];
-    const int count = min_of(batch_size, work.count - first);
-    for (int k = 0; k < count; ++k) {
-      if (first + batch_size < work.count) {
-        if (k == 1) start(first + batch_size, then);
-        if (k == 3) plan_mantissas<Kind>(work, next, then);
-        if (k == 6) plan_evaluation<Kind>(work, next, then);
-      }
-      if (work.masks[first + k] != 0 && !((b.usable >> k & 1) && draw_span<Kind, Channels>(work, b, k))) work.left[first + k] = true;
+    next_batch<Kind> next{work, first + batch_size, two[turn ^ 1], {}};
+    uint32_t spans = 0;
+    for (int k = 0; k < min_of(batch_size, work.count - first); ++k) {
+      if (work.masks[first + k] == 0) continue;
+      if (b.usable >> k & 1) spans |= 1u << k;
+      else work.left[first + k] = true;
     }
+    if constexpr (uses_levels(Kind) && !uses_footprint(Kind)) draw_batch_on_levels<Kind, Channels>(work, b, spans, next);
+    else draw_batch<Kind, Channels>(work, b, spans, next);
   }
 }
 
@@ -78,6 +156,30 @@ template <filter Kind>
 void draw_row(const row_work& work) {
   if (Kind != filter::nearest && work.texels->opaque()) draw_row<Kind, 3>(work);
   else draw_row<Kind, 4>(work);
+}
+
+}  // namespace by_blocks
+
+// What local memory does not hold is drawn from the map's rows.
+template <filter Kind>
+void draw_row(const row_work& work) {
+  by_blocks::draw_row<Kind>(work);
+  span_mask rest[max_row_spans];
+  int from = work.count, to = 0;
+  for (int k = 0; k < work.count; ++k) {
+    rest[k] = work.left[k] ? work.masks[k] : 0;
+    if (!work.left[k]) continue;
+    work.left[k] = false;
+    from = min_of(from, k);
+    to = k + 1;
+  }
+  if (from >= to) return;
+  row_work more = work;
+  more.sx += from;
+  more.count = to - from;
+  more.masks = rest + from;
+  more.left += from;
+  by_rows::draw_any_row(more);
 }
 
 void draw_any_row(const row_work& work) {

@@ -43,7 +43,7 @@ bool draws(filter f) {
 
 layout layout_of(choice c) {
   switch (resolved(c)) {
-    case choice::avx512: return layout::blocks;
+    case choice::avx512: return layout::rows_and_blocks;
     case choice::neon: return layout::rows_and_planes;
     default: return layout::rows;
   }

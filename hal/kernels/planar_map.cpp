@@ -26,12 +26,13 @@ std::vector<int32_t> wrapped(int32_t before, int32_t count, const auto& of) {
 planar_map::planar_map(const texture_view& view, layout of)
     : width_(view.width()), height_(view.height()), wrap_u_(view.wrap_u()), wrap_v_(view.wrap_v()), period_u_(period(wrap_u_, width_)),
       period_v_(period(wrap_v_, height_)) {
-  if (of != layout::blocks) {
-    levels_in_rows_ = row_levels(view);
-    opaque_ = levels_in_rows_.opaque();
-    if (of == layout::rows_and_planes && levels_in_rows_.masks_only()) planes_ = byte_planes(view, levels_in_rows_.count(), opaque_ ? 3 : 4);
-    return;
-  }
+  levels_in_rows_ = row_levels(view);
+  opaque_ = levels_in_rows_.opaque();
+  if (of == layout::rows_and_planes && levels_in_rows_.masks_only()) planes_ = byte_planes(view, levels_in_rows_.count(), opaque_ ? 3 : 4);
+  if (of == layout::rows_and_blocks) add_blocks(view);
+}
+
+void planar_map::add_blocks(const texture_view& view) {
   rows_down_ = length_of(wrap_v_, height_);
   row_stride_ = length_of(wrap_u_, width_) + 2 * texel_apron;
   const std::vector<int32_t> across = wrapped(texel_apron, row_stride_, [&](int32_t u) { return view.wrapped_u(u, 0); });
@@ -64,7 +65,6 @@ void planar_map::add_level(const texture_view& view, int k, size_t start) {
         at[n + block_channel_bytes] = t.g ^ 0x80;
         at[n + 2 * block_channel_bytes] = t.b ^ 0x80;
         at[n + 3 * block_channel_bytes] = t.a ^ 0x80;
-        opaque_ &= t.a == 255;
       }
   levels_.column_bytes[k] = block_bytes;
   levels_.row_bytes[k] = columns * block_bytes;

@@ -30,20 +30,20 @@ struct alignas(64) planar_levels {
   int32_t ratio_u[max_planar_levels] = {}, ratio_v[max_planar_levels] = {};            // texture_view::ratio_u(): 2^31 reads as INT32_MIN
 };
 
-// What a kernel reads: blocks and the rows of level 0; all levels in rows; or these and, of maps whose axes wrap at powers of two, planes of bytes.
-enum class layout : uint8_t { blocks, rows, rows_and_planes };
+// What a kernel reads: all levels in rows; and of maps whose axes wrap at powers of two, planes of bytes; or blocks, and level 0 in rows with an apron.
+enum class layout : uint8_t { rows, rows_and_planes, rows_and_blocks };
 
 // A period is what positions may be taken modulo: the side, twice the side for mirror; 0 for clamp, where blocks are clamped instead.
 class planar_map {
  public:
-  explicit planar_map(const texture_view& view, layout of = layout::blocks);
+  explicit planar_map(const texture_view& view, layout of = layout::rows);
   planar_map(planar_map&&) = default;  // and no copy: the blocks are aligned where they are
   bool exact() const { return exact_; }                   // sides halve exactly from level to level
   bool steady() const { return steady_; }                 // blocks repeat, or are clamped, on every level
   const planar_levels& levels() const { return levels_; }
   const uint8_t* blocks() const { return blocks_.data() + skew_; }  // 64-byte aligned; values are texels ^ 0x80, signed bytes
   const rgba8* row(int32_t y) const { return rows_.data() + int64_t(y + texel_apron) * row_stride_ + texel_apron; }  // of level 0; x and y from -texel_apron
-  const row_levels& levels_in_rows() const { return levels_in_rows_; }  // empty for layout::blocks
+  const row_levels& levels_in_rows() const { return levels_in_rows_; }  // 
   const byte_planes& planes() const { return planes_; }   // empty but for layout::rows_and_planes
   bool opaque() const { return opaque_; }                 // every texel of every level that is held has alpha 255
   int32_t row_stride() const { return row_stride_; }
@@ -57,6 +57,7 @@ class planar_map {
   int32_t period_v() const { return period_v_; }
 
  private:
+  void add_blocks(const texture_view& view);
   void add_level(const texture_view& view, int k, size_t at);
   planar_levels levels_;
   std::vector<uint8_t> blocks_;

@@ -37,8 +37,8 @@ uint64_t span_count(rectangle r) { return uint64_t((r.x1 - 1) / span_side - r.x0
 struct ready_map {
   texture_view view;
   kernels::planar_map blocks, rows;  // rows: with planes for whom they are for
-  ready_map(const synthetic_map& map, wrap w) : view(map.view(w, w)), blocks(view, kernels::layout::blocks), rows(view, kernels::layout::rows_and_planes) {}
-  const kernels::planar_map& of(kernels::choice c) const { return kernels::layout_of(c) == kernels::layout::blocks ? blocks : rows; }
+  ready_map(const synthetic_map& map, wrap w) : view(map.view(w, w)), blocks(view, kernels::layout::rows_and_blocks), rows(view, kernels::layout::rows_and_planes) {}
+  const kernels::planar_map& of(kernels::choice c) const { return kernels::layout_of(c) == kernels::layout::rows_and_blocks ? blocks : rows; }
 };
 
 // By the engine, then by every kernel: the same bytes. A kernel may leave so many spans to the engine.

@@ -13,32 +13,58 @@ SPANTEX_INLINE v16 fields(int64_t offsets_of_a_pixel) {  // for multishift: the 
   return set(offsets_of_a_pixel | ((offsets_of_a_pixel + 0x20202020) << 32));
 }
 
+// What all samples take, made once, so that it stays in registers: compilers make constants anew where they are needed.
 template <int Up>
-SPANTEX_INLINE samples samples16(v16 at) {
+struct sampling {
+  v16 x_fields, y_fields, v_fields, next_x, next_y, x_bits, u_bits, lowest, all_u, v_bits, all_v;
+  __mmask64 even;  // bytes or words
+  SPANTEX_INLINE sampling() {
+    constexpr int64_t from = 16 - Up;
+    constexpr int32_t weights = 0x7F << Up, all = 128 << Up;
+    x_fields = held(fields(0x07070707));
+    y_fields = held(fields(0x14141414));
+    v_fields = held(fields(from | (from + 8) << 8 | from << 16 | (from + 8) << 24));
+    next_x = of32<0x01000100>();
+    next_y = of32<0x08080000>();
+    x_bits = of32<0x07070707>();
+    u_bits = of32<0x7F>();
+    lowest = held(_mm512_broadcast_i32x4(_mm_setr_epi8(0, 0, 0, 0, 4, 4, 4, 4, 8, 8, 8, 8, 12, 12, 12, 12)));
+    all_u = of32<int32_t(0x80808080)>();
+    v_bits = of32<weights | weights << 16>();
+    all_v = of32<all | all << 16>();
+    __mmask64 every_other = 0x5555555555555555;
+    asm("" : "+k"(every_other));
+    even = every_other;
+  }
+};
+
+template <int Up>
+SPANTEX_INLINE samples samples16(const sampling<Up>& c, v16 at) {
   samples s;
-  const v16 x = _mm512_add_epi8(_mm512_multishift_epi64_epi8(fields(0x07070707), at), set32(0x01000100));
-  const v16 y = _mm512_add_epi8(_mm512_multishift_epi64_epi8(fields(0x14141414), at), set32(0x08080000));  // times 8, three bits of fraction below
-  s.index = _mm512_ternarylogic_epi32(y, x, set32(0x07070707), 0xD8);
+  const v16 x = _mm512_add_epi8(_mm512_multishift_epi64_epi8(c.x_fields, at), c.next_x);
+  const v16 y = _mm512_add_epi8(_mm512_multishift_epi64_epi8(c.y_fields, at), c.next_y);  // times 8, three bits of fraction below
+  s.index = _mm512_ternarylogic_epi32(y, x, c.x_bits, 0xD8);
   s.right = _mm512_test_epi8_mask(x, set32(0x08080808));
-  const v16 fu = _mm512_and_si512(at, set32(0x7F)), fu4 = _mm512_shuffle_epi8(fu, _mm512_broadcast_i32x4(_mm_setr_epi8(0, 0, 0, 0, 4, 4, 4, 4, 8, 8, 8, 8, 12, 12, 12, 12)));
-  s.u = _mm512_mask_sub_epi8(fu4, 0x5555555555555555, set32(int32_t(0x80808080)), fu4);
-  constexpr int64_t from = 16 - Up, weights = 0x7F << Up, all = 128 << Up;
-  const v16 fv = _mm512_and_si512(_mm512_multishift_epi64_epi8(fields(from | (from + 8) << 8 | from << 16 | (from + 8) << 24), at), set32(weights | weights << 16));
-  s.v = _mm512_mask_sub_epi16(fv, 0x55555555, set32(all | all << 16), fv);
+  const v16 fu4 = _mm512_shuffle_epi8(_mm512_and_si512(at, c.u_bits), c.lowest);
+  s.u = _mm512_mask_sub_epi8(fu4, c.even, c.all_u, fu4);
+  const v16 fv = _mm512_and_si512(_mm512_multishift_epi64_epi8(c.v_fields, at), c.v_bits);
+  s.v = _mm512_mask_sub_epi16(fv, __mmask32(c.even), c.all_v, fv);
   return s;
 }
+template <int Up>
+SPANTEX_INLINE samples samples16(v16 at) { return samples16(sampling<Up>(), at); }
 
 // One channel's texels, four a pixel.
 template <bool Wide>
 SPANTEX_INLINE v16 fetch16(const quad_section& from, int channel, const samples& s) {
-  const uint8_t* const plane = from.origin + channel * block_channel_bytes;
-  const auto block = [&](int64_t at) { return _mm512_load_si512(plane + at); };
+  const int plane = channel * block_channel_bytes;
+  const auto block = [&](const uint8_t* at) { return _mm512_load_si512(at + plane); };
   if constexpr (Wide) {
     const v16 left = _mm512_permutex2var_epi8(block(from.near[0]), s.index, block(from.near[1]));
     return _mm512_mask_mov_epi8(left, s.right, _mm512_permutex2var_epi8(block(from.far[0]), s.index, block(from.far[1])));
   } else {
-    const v16 top = _mm512_mask_loadu_epi8(block(from.near[0]), from.merged, plane + from.far[0]);
-    const v16 bottom = _mm512_mask_loadu_epi8(block(from.near[1]), from.merged, plane + from.far[1]);
+    const v16 top = _mm512_mask_loadu_epi8(block(from.near[0]), from.merged, from.far[0] + plane);
+    const v16 bottom = _mm512_mask_loadu_epi8(block(from.near[1]), from.merged, from.far[1] + plane);
     return _mm512_permutex2var_epi8(top, s.index, bottom);
   }
 }
@@ -48,10 +74,14 @@ template <bool Wide, int Up>
 SPANTEX_INLINE v16 blended16(const quad_section& at, int channel, const samples& s, int32_t rounding) {
   return _mm512_dpwssd_epi32(set32((128 << (14 + Up)) + rounding), _mm512_maddubs_epi16(s.u, fetch16<Wide>(at, channel, s)), s.v);
 }
+template <bool Wide, int Channels>
+SPANTEX_INLINE void blended16(const quad_section& at, const samples& s, v16 rounding, v16 (&out)[Channels]) {
+#pragma GCC unroll 4
+  for (int m = 0; m < Channels; ++m) out[m] = _mm512_dpwssd_epi32(rounding, _mm512_maddubs_epi16(s.u, fetch16<Wide>(at, m, s)), s.v);
+}
 
-// x + 2^15 - 1 becomes x rounded to 16 bits less, halves to even; in bits 16 to 23.
-SPANTEX_INLINE v16 even16(v16 x) { return _mm512_dpwssd_epi32(x, _mm512_and_si512(x, set32(0x10000)), set32(0x10000)); }
 constexpr int32_t before_even = 0x7FFF;
+constexpr int up_of_one = 2, up_between = 1;  // what makes 16 bits of fraction, and 15: bytes 1 and 2 are then the level's 8.7
 
 // Bytes of two registers' lanes, side by side: a pair of bytes of each, or the third of each in the pair `at`.
 SPANTEX_INLINE v16 per_lane(int32_t first) {
@@ -60,57 +90,78 @@ SPANTEX_INLINE v16 per_lane(int32_t first) {
   return _mm512_add_epi32(lane, set32(first));
 }
 
-// Channels' bits 16 to 23 as pixels; three are those of an opaque map.
-template <int Channels>
-SPANTEX_INLINE v16 packed16(const v16 (&c)[Channels]) {
-  static_assert(Channels == 3 || Channels == 4);
-  const v16 thirds = per_lane(0x42024202), low = _mm512_permutex2var_epi8(c[0], thirds, c[1]);
-  if constexpr (Channels == 4) return _mm512_mask_mov_epi16(low, 0xAAAAAAAA, _mm512_permutex2var_epi8(c[2], thirds, c[3]));
-  else return _mm512_mask_mov_epi16(low, 0xAAAAAAAA, _mm512_or_si512(c[2], set32(int32_t(0xFF000000))));
-}
+// What all colours take: likewise.
+struct colouring {
+  v16 half, one, pairs, thirds, opaque, level_words, level_signs, level_all;
+  SPANTEX_INLINE colouring() {
+    half = of32<before_even>();
+    one = of32<0x10000>();
+    pairs = held(per_lane(0x42410201));
+    thirds = held(per_lane(0x42024202));
+    opaque = of32<int32_t(0xFF000000)>();
+    level_words = held(_mm512_broadcast_i32x4(_mm_setr_epi8(0, -1, 0, -1, 4, -1, 4, -1, 8, -1, 8, -1, 12, -1, 12, -1)));
+    level_signs = of32<0x0002FFFE>();
+    level_all = of32<512>();
+  }
 
-constexpr int up_of_one = 2, up_between = 1;  // what makes 16 bits of fraction, and 15: bytes 1 and 2 are then the level's 8.7
+  // x + 2^15 - 1 becomes x rounded to 16 bits less, halves to even; in bits 16 to 23.
+  SPANTEX_INLINE v16 even(v16 x) const { return _mm512_dpwssd_epi32(x, _mm512_and_si512(x, one), one); }
+
+  // Channels' bits 16 to 23 as pixels; three are those of an opaque map.
+  template <int Channels>
+  SPANTEX_INLINE v16 packed(const v16 (&c)[Channels]) const {
+    static_assert(Channels == 3 || Channels == 4);
+    const v16 low = _mm512_permutex2var_epi8(c[0], thirds, c[1]);
+    if constexpr (Channels == 4) return _mm512_mask_mov_epi16(low, 0xAAAAAAAA, _mm512_permutex2var_epi8(c[2], thirds, c[3]));
+    else return _mm512_mask_mov_epi16(low, 0xAAAAAAAA, _mm512_or_si512(c[2], opaque));
+  }
+
+  // Weights of two levels from the lowest 8 bits: 512 - 2 f, 2 f of 512.
+  SPANTEX_INLINE v16 level_weights(v16 level) const { return _mm512_add_epi16(_mm512_mullo_epi16(_mm512_shuffle_epi8(level, level_words), level_signs), level_all); }
+
+  // Two levels, each with 15 bits of fraction and 2^7 added: rounded to 7 bits, then interpolated and written out.
+  SPANTEX_INLINE v16 between_levels(v16 fine, v16 coarse, v16 weights) const {
+    return even(_mm512_dpwssd_epi32(half, _mm512_permutex2var_epi8(fine, pairs, coarse), weights));
+  }
+
+  // The same where the coarse level has no weight.
+  SPANTEX_INLINE v16 on_one_level(v16 fine) const { return even(_mm512_add_epi32(_mm512_slli_epi32(_mm512_srli_epi32(fine, 8), 9), half)); }
+};
 
 template <int Channels, bool Wide>
-SPANTEX_INLINE v16 bilinear16(const quad_section& at, const samples& s) {
+SPANTEX_INLINE v16 bilinear16(const colouring& as, const quad_section& at, const samples& s) {
   v16 c[Channels];
+  blended16<Wide>(at, s, of32<(128 << (14 + up_of_one)) + before_even>(), c);
 #pragma GCC unroll 4
-  for (int k = 0; k < Channels; ++k) c[k] = even16(blended16<Wide, up_of_one>(at, k, s, before_even));
-  return packed16(c);
+  for (int k = 0; k < Channels; ++k) c[k] = as.even(c[k]);
+  return as.packed(c);
 }
 
-// Weights of two levels from a fraction of 8 bits: 512 - 2 f, 2 f of 512.
-SPANTEX_INLINE v16 level_weights16(v16 fraction) {
-  const v16 twice = _mm512_slli_epi32(fraction, 1);
-  return _mm512_or_si512(_mm512_slli_epi32(twice, 16), _mm512_sub_epi32(set32(512), twice));
+// The left and right quad of a span's upper or lower half, from its first row on.
+SPANTEX_INLINE void write_half(rgba8* row, int64_t stride, v16 left, v16 right) {
+  const v16 lines[2] = {_mm512_permutex2var_epi64(left, _mm512_setr_epi64(0, 1, 8, 9, 2, 3, 10, 11), right),
+                        _mm512_permutex2var_epi64(left, _mm512_setr_epi64(4, 5, 12, 13, 6, 7, 14, 15), right)};
+#pragma GCC unroll 2
+  for (int n = 0; n < 2; ++n) {
+    _mm256_storeu_si256(reinterpret_cast<__m256i*>(row + 2 * n * stride), _mm512_castsi512_si256(lines[n]));
+    _mm256_storeu_si256(reinterpret_cast<__m256i*>(row + (2 * n + 1) * stride), _mm512_extracti64x4_epi64(lines[n], 1));
+  }
 }
 
-// Two levels, each with 15 bits of fraction and 2^7 added: rounded to 7 bits, then interpolated and written out.
-SPANTEX_INLINE v16 between_levels16(v16 fine, v16 coarse, v16 weights) {
-  return even16(_mm512_dpwssd_epi32(set32(before_even), _mm512_permutex2var_epi8(fine, per_lane(0x42410201), coarse), weights));
-}
-
-// The same where the coarse level has no weight.
-SPANTEX_INLINE v16 on_one_level16(v16 fine) { return even16(_mm512_add_epi32(_mm512_slli_epi32(_mm512_srli_epi32(fine, 8), 9), set32(before_even))); }
+SPANTEX_INLINE rgba8* first_of_span(const row_work& work, int32_t sx) { return work.pixels + int64_t(work.sy) * span_side * work.stride + sx * span_side; }
 
 // To span (sx, work.sy).
 SPANTEX_INLINE void write(const row_work& work, int32_t sx, span_mask mask, const v16 (&quad)[quads]) {
-  rgba8* row = work.pixels + int64_t(work.sy) * span_side * work.stride + sx * span_side;
-  const v8 rows01 = _mm512_setr_epi64(0, 1, 8, 9, 2, 3, 10, 11), rows23 = _mm512_setr_epi64(4, 5, 12, 13, 6, 7, 14, 15);
-  const v16 lines[quads] = {_mm512_permutex2var_epi64(quad[0], rows01, quad[1]), _mm512_permutex2var_epi64(quad[0], rows23, quad[1]),
-                            _mm512_permutex2var_epi64(quad[2], rows01, quad[3]), _mm512_permutex2var_epi64(quad[2], rows23, quad[3])};
+  rgba8* row = first_of_span(work, sx);
+  const int64_t half = int64_t(quad_side) * work.stride;
   if (mask == ~span_mask(0)) {
-#pragma GCC unroll 4
-    for (int n = 0; n < quads; ++n) {
-      _mm256_storeu_si256(reinterpret_cast<__m256i*>(row), _mm512_castsi512_si256(lines[n]));
-      _mm256_storeu_si256(reinterpret_cast<__m256i*>(row + work.stride), _mm512_extracti64x4_epi64(lines[n], 1));
-      row += 2 * int64_t(work.stride);
-    }
+    write_half(row, work.stride, quad[0], quad[1]);
+    write_half(row + half, work.stride, quad[2], quad[3]);
     return;
   }
-  for (int n = 0; n < quads; ++n) {
-    _mm256_mask_storeu_epi32(row, __mmask8(mask >> (2 * n * span_side)), _mm512_castsi512_si256(lines[n]));
-    _mm256_mask_storeu_epi32(row + work.stride, __mmask8(mask >> ((2 * n + 1) * span_side)), _mm512_extracti64x4_epi64(lines[n], 1));
-    row += 2 * int64_t(work.stride);
-  }
+  alignas(64) rgba8 pixels[span_pixel_count];
+  write_half(pixels, span_side, quad[0], quad[1]);
+  write_half(pixels + quad_side * span_side, span_side, quad[2], quad[3]);
+  for (int y = 0; y < span_side; ++y, row += work.stride)
+    _mm256_mask_storeu_epi32(row, __mmask8(mask >> (y * span_side)), _mm256_load_si256(reinterpret_cast<const __m256i*>(pixels + y * span_side)));
 }

@@ -15,50 +15,58 @@ constexpr int quads = 4, quad_side = 4;  // a span's pixels, one register each: 
 using v8 = __m512i;   // eight 64-bit lanes: a span each
 using v16 = __m512i;  // sixteen 32-bit lanes: a pixel each
 
+template <int32_t X> SPANTEX_INLINE v16 of32() { return _mm512_set1_epi32(number32<X>); }
+template <int64_t X> SPANTEX_INLINE v8 of64() { return _mm512_set1_epi64(number64<X>); }
+// x, and the compiler does not know what it is.
+SPANTEX_INLINE v16 held(v16 x) {
+  asm("" : "+v"(x));
+  return x;
+}
+
 SPANTEX_INLINE v8 bit_length(v8 x) { return _mm512_sub_epi64(_mm512_set1_epi64(64), _mm512_lzcnt_epi64(x)); }
 SPANTEX_INLINE v8 set(int64_t x) { return _mm512_set1_epi64(x); }
 
 SPANTEX_INLINE v16 set32(int32_t x) { return _mm512_set1_epi32(x); }
-SPANTEX_INLINE v16 upper() { return set32(int32_t(0xFFFF0000)); }
+SPANTEX_INLINE v16 upper() { return of32<int32_t(0xFFFF0000)>(); }
 
 struct inverse8 { v8 y, exponent; };
 
 SPANTEX_INLINE v8 newton(v8 m, v8 y) {
-  const v8 error = _mm512_sub_epi64(set(INT64_MIN), _mm512_mul_epu32(m, y));
+  const v8 error = _mm512_sub_epi64(of64<INT64_MIN>(), _mm512_mul_epu32(m, y));
   const v8 next = _mm512_add_epi64(y, _mm512_srai_epi64(_mm512_mullo_epi64(y, _mm512_srai_epi64(error, 32)), 31));
-  return _mm512_min_epi64(next, set(0xFFFFFFFF));
+  return _mm512_min_epi64(next, of64<0xFFFFFFFF>());
 }
 
 // reciprocal_wide() of 32-bit m in 64-bit lanes.
 SPANTEX_INLINE v8 reciprocal8(v8 m) {
-  const v8 k = _mm512_and_si512(_mm512_srli_epi64(m, 24), set(127));
+  const v8 k = _mm512_and_si512(_mm512_srli_epi64(m, 24), of64<127>());
   const uint16_t* t = reciprocal_seeds.seed;
   const v8 low = _mm512_permutex2var_epi16(_mm512_loadu_si512(t), k, _mm512_loadu_si512(t + 32));
   const v8 high = _mm512_permutex2var_epi16(_mm512_loadu_si512(t + 64), k, _mm512_loadu_si512(t + 96));
-  const v8 seed = _mm512_mask_mov_epi64(low, _mm512_test_epi64_mask(k, set(64)), high);
-  const v8 y = _mm512_slli_epi64(_mm512_and_si512(seed, set(0xFFFF)), 16);
+  const v8 seed = _mm512_mask_mov_epi64(low, _mm512_test_epi64_mask(k, of64<64>()), high);
+  const v8 y = _mm512_slli_epi64(_mm512_and_si512(seed, of64<0xFFFF>()), 16);
   return newton(m, newton(m, y));
 }
 
 SPANTEX_INLINE inverse8 invert8(v8 w) {
   const v8 zeros = _mm512_lzcnt_epi64(w);
-  return {reciprocal8(_mm512_srli_epi64(_mm512_sllv_epi64(w, zeros), 32)), _mm512_sub_epi64(set(32), zeros)};
+  return {reciprocal8(_mm512_srli_epi64(_mm512_sllv_epi64(w, zeros), 32)), _mm512_sub_epi64(of64<32>(), zeros)};
 }
 
 // quotient() with its shift given: 63 + exponent - drop - scale.
 SPANTEX_INLINE v8 quotient8(v8 n, v8 drop, v8 y, v8 shift) {
   const v8 product = _mm512_mul_epu32(_mm512_srlv_epi64(_mm512_abs_epi64(n), drop), y);
-  const v8 half = _mm512_sllv_epi64(set(1), _mm512_sub_epi64(shift, set(1)));
+  const v8 half = _mm512_sllv_epi64(of64<1>(), _mm512_sub_epi64(shift, of64<1>()));
   const v8 magnitude = _mm512_srlv_epi64(_mm512_add_epi64(product, half), shift);
   return _mm512_mask_sub_epi64(magnitude, _mm512_movepi64_mask(n), _mm512_setzero_si512(), magnitude);
 }
 
 SPANTEX_INLINE v8 whole_quotient8(v8 n, v8 w_bits, const inverse8& iw, __mmask8& usable) {
   const v8 bits = bit_length(_mm512_abs_epi64(n));
-  const v8 drop = _mm512_max_epi64(_mm512_sub_epi64(bits, set(31)), _mm512_setzero_si512());
-  const v8 shift = _mm512_sub_epi64(_mm512_add_epi64(iw.exponent, set(63)), drop);
+  const v8 drop = _mm512_max_epi64(_mm512_sub_epi64(bits, of64<31>()), _mm512_setzero_si512());
+  const v8 shift = _mm512_sub_epi64(_mm512_add_epi64(iw.exponent, of64<63>()), drop);
   const v8 r = quotient8(n, drop, iw.y, shift);
-  usable &= _mm512_cmple_epi64_mask(bits, _mm512_add_epi64(w_bits, set(15)));
+  usable &= _mm512_cmple_epi64_mask(bits, _mm512_add_epi64(w_bits, of64<15>()));
   usable &= _mm512_cmple_epi64_mask(_mm512_abs_epi64(r), set(largest_base(filter::aniso)));
   return r;
 }

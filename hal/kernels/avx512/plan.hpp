@@ -19,6 +19,7 @@ struct alignas(64) batch {
   int32_t sx, first;                                     // the first span: on the screen, and of the row's work
   uint32_t usable;                                       // bit k: span k is in here
   uint32_t flat;                                         // bit k: low and high are known
+  uint32_t magnified;                                    // bit k: every pixel's level of detail is 0
   uint32_t placed, wide;                                 // bit k: its sections are known; one of them is more than 8 texels across
 };
 constexpr int divide_terms = 5;
@@ -49,13 +50,13 @@ struct quad_bounds {
   SPANTEX_INLINE quad_bounds(const batch& b, v8 error_log2) {
     const v16 a = both_axes(got(b.a_u), got(b.a_v)), d = both_axes(got(b.b_u), got(b.b_v)), x = _mm512_broadcast_i64x4(got(b.exponent));
     const v16 steps = _mm512_add_epi32(_mm512_abs_epi32(a), _mm512_abs_epi32(d));
-    const v16 error = _mm512_broadcast_i64x4(_mm512_cvtepi64_epi32(error_log2)), one = set32(1);
-    const v16 margin = _mm512_add_epi32(_mm512_sllv_epi32(one, _mm512_add_epi32(x, error)), _mm512_sllv_epi32(one, _mm512_sub_epi32(x, set32(6))));
+    const v16 error = _mm512_broadcast_i64x4(_mm512_cvtepi64_epi32(error_log2)), one = of32<1>();
+    const v16 margin = _mm512_add_epi32(_mm512_sllv_epi32(one, _mm512_add_epi32(x, error)), _mm512_sllv_epi32(one, _mm512_sub_epi32(x, of32<6>())));
     spread = _mm512_add_epi32(_mm512_add_epi32(steps, _mm512_slli_epi32(steps, 1)), margin);
     right = _mm512_slli_epi32(a, 2);
     below = _mm512_slli_epi32(d, 2);
     middle = both_axes(got(b.c_u), got(b.c_v));
-    to16 = _mm512_sub_epi32(x, set32(16));
+    to16 = _mm512_sub_epi32(x, of32<16>());
     base = _mm512_slli_epi32(both_axes(got(b.base_u), got(b.base_v)), 16);
   }
   SPANTEX_INLINE v16 centre(int n) const {
@@ -78,16 +79,16 @@ SPANTEX_INLINE void place(const row_work& work, __mmask8 flat, const quad_bounds
     const v16 low = bounds.low(n), high = bounds.high(n);
     _mm512_store_si512(b.low[n], low);
     _mm512_store_si512(b.high[n], high);
-    const auto texel = [&](v16 position) { return _mm512_srai_epi32(_mm512_sub_epi32(position, set32(1 << 15)), 16); };
-    const v16 first = texel(low), end = _mm512_add_epi32(texel(high), set32(1));
+    const auto texel = [&](v16 position) { return _mm512_srai_epi32(_mm512_sub_epi32(position, of32<1 << 15>()), 16); };
+    const v16 first = texel(low), end = _mm512_add_epi32(texel(high), of32<1>());
     const v16 block0 = _mm512_srai_epi32(first, 3), block1 = _mm512_srai_epi32(end, 3);
-    const __mmask16 large = _mm512_cmpgt_epi32_mask(_mm512_sub_epi32(end, first), set32(7)) & 0xFF;
-    fit = __mmask16(fit & (_mm512_cmple_epi32_mask(_mm512_sub_epi32(block1, block0), set32(1)) | (0xFF & ~large)));
+    const __mmask16 large = _mm512_cmpgt_epi32_mask(_mm512_sub_epi32(end, first), of32<7>()) & 0xFF;
+    fit = __mmask16(fit & (_mm512_cmple_epi32_mask(_mm512_sub_epi32(block1, block0), of32<1>()) | (0xFF & ~large)));
     wide |= large;
-    const auto held = [&](v16 k) { return _mm512_max_epi32(_mm512_min_epi32(k, last), set32(-apron)); };
+    const auto held = [&](v16 k) { return _mm512_max_epi32(_mm512_min_epi32(k, last), of32<-apron>()); };
     const v16 k0 = held(block0), k1 = held(block1);
     fit = __mmask16(fit & ~(strict & (_mm512_cmpneq_epi32_mask(k0, block0) | _mm512_cmpneq_epi32_mask(k1, block1))));
-    const __mmask16 swap = _mm512_test_epi32_mask(block0, set32(1)) & (0xFF00 | large);
+    const __mmask16 swap = _mm512_test_epi32_mask(block0, of32<1>()) & (0xFF00 | large);
     const v16 even = _mm512_mullo_epi32(_mm512_mask_mov_epi32(k0, swap, k1), bytes), odd = _mm512_mullo_epi32(_mm512_mask_mov_epi32(k1, swap, k0), bytes);
     const __m256i x0 = _mm512_castsi512_si256(even), x1 = _mm512_castsi512_si256(odd);
     const __m256i y0 = _mm512_extracti64x4_epi64(even, 1), y1 = _mm512_extracti64x4_epi64(odd, 1);
@@ -105,8 +106,8 @@ SPANTEX_INLINE void place(const row_work& work, __mmask8 flat, const quad_bounds
 // The same for single texels: 8x8 of them in rows.
 SPANTEX_INLINE void place_rows(const row_work& work, __mmask8 flat, const quad_bounds& bounds, batch& b) {
   const planar_map& map = *work.texels;
-  const v16 base = _mm512_srai_epi32(bounds.base, 16), seven = set32(7);
-  const v16 least = set32(-texel_apron), most = both_axes(map.rows_across() + texel_apron - block_side, map.rows_down() + texel_apron - block_side);
+  const v16 base = _mm512_srai_epi32(bounds.base, 16), seven = of32<7>();
+  const v16 least = of32<-texel_apron>(), most = both_axes(map.rows_across() + texel_apron - block_side, map.rows_down() + texel_apron - block_side);
   __mmask16 fit = 0xFFFF;
 #pragma GCC unroll 4
   for (int n = 0; n < quads; ++n) {
@@ -152,11 +153,11 @@ SPANTEX_INLINE void plan_mantissas(const row_work& work, setup& s, batch& b) {
     return _mm512_add_epi64(_mm512_abs_epi64(c), times7(_mm512_add_epi64(_mm512_abs_epi64(x), _mm512_abs_epi64(y))));
   };
   const v8 extent = _mm512_max_epu64(extent_of(c_u, a_u, b_u), extent_of(c_v, a_v, b_v)), extent_bits = bit_length(extent);
-  s.extent_log2 = _mm512_add_epi64(_mm512_sub_epi64(extent_bits, s.w_bits), set(1));
-  s.usable &= _mm512_cmple_epi64_mask(s.extent_log2, set(max_extent_log2));
-  s.exponent = _mm512_min_epi64(_mm512_sub_epi64(set(q.offset_bits - 1), s.extent_log2), set(max_exponent));
-  const v8 drop = _mm512_max_epi64(_mm512_sub_epi64(extent_bits, set(31)), zero);
-  const v8 whole = _mm512_add_epi64(s.inverse.exponent, set(63)), shift = _mm512_sub_epi64(_mm512_sub_epi64(whole, drop), s.exponent);
+  s.extent_log2 = _mm512_add_epi64(_mm512_sub_epi64(extent_bits, s.w_bits), of64<1>());
+  s.usable &= _mm512_cmple_epi64_mask(s.extent_log2, of64<max_extent_log2>());
+  s.exponent = _mm512_min_epi64(_mm512_sub_epi64(of64<q.offset_bits - 1>(), s.extent_log2), of64<max_exponent>());
+  const v8 drop = _mm512_max_epi64(_mm512_sub_epi64(extent_bits, of64<31>()), zero);
+  const v8 whole = _mm512_add_epi64(s.inverse.exponent, of64<63>()), shift = _mm512_sub_epi64(_mm512_sub_epi64(whole, drop), s.exponent);
   const auto mantissa = [&](v8 n) { return quotient8(n, drop, s.inverse.y, shift); };
   keep(b.c_u, mantissa(c_u)); keep(b.a_u, mantissa(a_u)); keep(b.b_u, mantissa(b_u));
   keep(b.c_v, mantissa(c_v)); keep(b.a_v, mantissa(a_v)); keep(b.b_v, mantissa(b_v));
@@ -169,43 +170,50 @@ SPANTEX_INLINE void plan_mantissas(const row_work& work, setup& s, batch& b) {
   keep(b.base_u, modulo(s.base_u, modular ? work.texels->period_u() : 0)); keep(b.base_v, modulo(s.base_v, modular ? work.texels->period_v() : 0));
   if (p.rounding_bits == 0) return;
   // rounding_is_small()
-  const v8 reached = _mm512_sllv_epi64(set(2), _mm512_max_epi64(_mm512_sub_epi64(set(q.offset_bits - 1), s.exponent), zero));
+  const v8 reached = _mm512_sllv_epi64(of64<2>(), _mm512_max_epi64(_mm512_sub_epi64(of64<q.offset_bits - 1>(), s.exponent), zero));
   const v8 farthest = _mm512_add_epi64(_mm512_max_epi64(_mm512_abs_epi64(s.base_u), _mm512_abs_epi64(s.base_v)), reached);
-  const v8 bits = _mm512_add_epi64(bit_length(_mm512_add_epi64(farthest, set(2))), set(p.rounding_bits + set_up_tolerance_bits));
+  const v8 bits = _mm512_add_epi64(bit_length(_mm512_add_epi64(farthest, of64<2>())), set(p.rounding_bits + set_up_tolerance_bits));
   s.usable &= _mm512_cmplt_epi64_mask(bits, s.w_bits);
 }
 
-// level.hpp: span_levels().
-SPANTEX_INLINE void plan_levels(const setup& s, batch& b) {
+// level.hpp: span_levels(). A span is known to be magnified if no row or column is longer than half a texel a pixel on either axis and |1 - w| < 2^-4: lengths
+// are then below sqrt(2) / 2 (16 / 15)^2 = 0.81, which is 0.3 of a level less than what rounds to 0.
+SPANTEX_INLINE void plan_levels(const setup& s, v8 slope_log2, batch& b) {
   const auto product = [&](v8 x, v8 slope) {  // times_slope()
-    const v8 p30 = _mm512_mul_epi32(x, slope), m = _mm512_srli_epi64(_mm512_add_epi64(_mm512_abs_epi64(p30), set(1 << 29)), 30);
+    const v8 p30 = _mm512_mul_epi32(x, slope), m = _mm512_srli_epi64(_mm512_add_epi64(_mm512_abs_epi64(p30), of64<1 << 29>()), 30);
     return _mm512_mask_sub_epi64(m, _mm512_movepi64_mask(p30), _mm512_setzero_si512(), m);
   };
   const auto wide = [&](const int32_t (&x)[batch_size]) { return _mm512_cvtepi32_epi64(got(x)); };
   const v8 cu = wide(b.c_u), cv = wide(b.c_v), au = wide(b.a_u), av = wide(b.a_v), bu = wide(b.b_u), bv = wide(b.b_v);
-  _mm512_store_si512(b.u_x, _mm512_sub_epi64(au, product(cu, s.g)));
-  _mm512_store_si512(b.v_x, _mm512_sub_epi64(av, product(cv, s.g)));
-  _mm512_store_si512(b.u_y, _mm512_sub_epi64(bu, product(cu, s.h)));
-  _mm512_store_si512(b.v_y, _mm512_sub_epi64(bv, product(cv, s.h)));
-  _mm512_store_si512(b.twist_u, _mm512_sub_epi64(product(au, s.h), product(bu, s.g)));
-  _mm512_store_si512(b.twist_v, _mm512_sub_epi64(product(av, s.h), product(bv, s.g)));
+  const v8 u_x = _mm512_sub_epi64(au, product(cu, s.g)), v_x = _mm512_sub_epi64(av, product(cv, s.g));
+  const v8 u_y = _mm512_sub_epi64(bu, product(cu, s.h)), v_y = _mm512_sub_epi64(bv, product(cv, s.h));
+  const v8 twist_u = _mm512_sub_epi64(product(au, s.h), product(bu, s.g)), twist_v = _mm512_sub_epi64(product(av, s.h), product(bv, s.g));
+  _mm512_store_si512(b.u_x, u_x);
+  _mm512_store_si512(b.v_x, v_x);
+  _mm512_store_si512(b.u_y, u_y);
+  _mm512_store_si512(b.v_y, v_y);
+  _mm512_store_si512(b.twist_u, twist_u);
+  _mm512_store_si512(b.twist_v, twist_v);
+  const auto most = [](v8 x, v8 y, v8 twist) { return _mm512_add_epi64(_mm512_max_epi64(_mm512_abs_epi64(x), _mm512_abs_epi64(y)), times7(_mm512_abs_epi64(twist))); };
+  const v8 longest = _mm512_max_epi64(most(u_x, u_y, twist_u), most(v_x, v_y, twist_v)), quarter = _mm512_sllv_epi64(set(1), _mm512_sub_epi64(s.exponent, set(2)));  // steps are half pixels
+  b.magnified = _mm512_cmple_epi64_mask(longest, quarter) & _mm512_cmple_epi64_mask(slope_log2, set(-4));
 }
 
 // choose_evaluation(), and what the filter needs to know before it sees a span's pixels.
 template <filter Kind>
 SPANTEX_INLINE void plan_evaluation(const row_work& work, const setup& s, batch& b) {
   const v8 steepness = times7(_mm512_add_epi64(_mm512_abs_epi64(s.g), _mm512_abs_epi64(s.h)));
-  const v8 slope_log2 = _mm512_max_epi64(_mm512_sub_epi64(bit_length(steepness), set(q.reciprocal_bits)), set(least_slope_log2));
-  const __mmask8 steep = _mm512_cmpgt_epi64_mask(slope_log2, set(most_series_slope_log2));
-  const v8 affine_log2 = _mm512_add_epi64(_mm512_add_epi64(s.extent_log2, slope_log2), set(1));
+  const v8 slope_log2 = _mm512_max_epi64(_mm512_sub_epi64(bit_length(steepness), of64<q.reciprocal_bits>()), of64<least_slope_log2>());
+  const __mmask8 steep = _mm512_cmpgt_epi64_mask(slope_log2, of64<most_series_slope_log2>());
+  const v8 affine_log2 = _mm512_add_epi64(_mm512_add_epi64(s.extent_log2, slope_log2), of64<1>());
   const __mmask8 affine = _mm512_testn_epi64_mask(steepness, steepness) |
-                          _mm512_cmple_epi64_mask(_mm512_mask_add_epi64(affine_log2, steep, affine_log2, set(1)), set(-q.tolerance_bits));
-  const v8 resolution = _mm512_add_epi64(_mm512_sub_epi64(set(q.offset_bits - 1), s.exponent), slope_log2);
-  const __mmask8 series = __mmask8(~steep) & _mm512_cmple_epi64_mask(resolution, set(series_bits - 3 - q.tolerance_bits));
-  v8 terms = set(divide_terms), error_log2 = _mm512_add_epi64(affine_log2, _mm512_mullo_epi64(slope_log2, set(most_series_terms)));
+                          _mm512_cmple_epi64_mask(_mm512_mask_add_epi64(affine_log2, steep, affine_log2, of64<1>()), of64<-q.tolerance_bits>());
+  const v8 resolution = _mm512_add_epi64(_mm512_sub_epi64(of64<q.offset_bits - 1>(), s.exponent), slope_log2);
+  const __mmask8 series = __mmask8(~steep) & _mm512_cmple_epi64_mask(resolution, of64<series_bits - 3 - q.tolerance_bits>());
+  v8 terms = of64<divide_terms>(), error_log2 = _mm512_add_epi64(affine_log2, _mm512_mullo_epi64(slope_log2, of64<most_series_terms>()));
 #pragma GCC unroll 4
   for (int n = most_series_terms; n >= 1; --n) {
-    terms = _mm512_mask_mov_epi64(terms, series & _mm512_cmple_epi64_mask(error_log2, set(-q.tolerance_bits - 1)), set(n));
+    terms = _mm512_mask_mov_epi64(terms, series & _mm512_cmple_epi64_mask(error_log2, of64<-q.tolerance_bits - 1>()), set(n));
     error_log2 = _mm512_sub_epi64(error_log2, slope_log2);
   }
   keep(b.slope_log2, slope_log2);
@@ -214,10 +222,10 @@ SPANTEX_INLINE void plan_evaluation(const row_work& work, const setup& s, batch&
   if constexpr (uses_footprint(Kind)) {
     return;
   } else if constexpr (uses_levels(Kind)) {
-    plan_levels(s, b);
+    plan_levels(s, slope_log2, b);
   } else {
-    const __mmask8 flat = _mm512_cmple_epi64_mask(affine_log2, set(-2));
-    const quad_bounds bounds(b, affine_log2);
+    const __mmask8 flat = _mm512_cmple_epi64_mask(affine_log2, of64<-2>());
+    quad_bounds bounds(b, affine_log2);
     if constexpr (Kind == filter::nearest) place_rows(work, flat, bounds, b);
     else place(work, flat, bounds, b);
   }

@@ -8,14 +8,15 @@ struct offsets { v16 u[quads], v[quads], e[quads]; int bits; uint32_t half; };
 // The slope as the series take it: in the upper half of each lane, lower half zero.
 SPANTEX_INLINE v16 slope16(v16 e, v16 slope_log2) { return _mm512_and_si512(_mm512_sllv_epi32(e, _mm512_sub_epi32(_mm512_setzero_si512(), slope_log2)), upper()); }
 
+// Of what is there, lower half zero.
+SPANTEX_INLINE v16 upper_difference(v16 x, v16 y) { return _mm512_maskz_sub_epi16(0xAAAAAAAA, x, y); }
+
 // q of the series, likewise.
 template <int Terms>
-SPANTEX_INLINE v16 series16(v16 e16, v16 slope_log2) {
-  const v16 drop = _mm512_sub_epi32(set32(-2), slope_log2);
+SPANTEX_INLINE v16 series16(v16 e16, v16 drop) {
   v16 r = e16;
 #pragma GCC unroll 4
-  for (int k = 1; k < Terms; ++k)
-    r = _mm512_sub_epi32(e16, _mm512_and_si512(_mm512_srav_epi32(_mm512_madd_epi16(e16, r), drop), upper()));
+  for (int k = 1; k < Terms; ++k) r = upper_difference(e16, _mm512_srav_epi32(_mm512_madd_epi16(e16, r), drop));
   return r;
 }
 
@@ -25,10 +26,10 @@ SPANTEX_INLINE v16 by_series16(v16 n, v16 r, v16 drop) {
 
 template <int Terms>
 SPANTEX_INLINE void divide_by_series(v16 slope_log2, offsets& o) {
-  const v16 drop = _mm512_sub_epi32(set32(-2), slope_log2);
+  const v16 drop = _mm512_sub_epi32(of32<-2>(), slope_log2);
 #pragma GCC unroll 4
   for (int n = 0; n < quads; ++n) {
-    const v16 r = series16<Terms>(slope16(o.e[n], slope_log2), slope_log2);
+    const v16 r = series16<Terms>(slope16(o.e[n], slope_log2), drop);
     o.u[n] = by_series16(o.u[n], r, drop);
     o.v[n] = by_series16(o.v[n], r, drop);
   }
@@ -37,21 +38,21 @@ SPANTEX_INLINE void divide_by_series(v16 slope_log2, offsets& o) {
 // 1/w of sixteen pixels, u1.30, as even and odd lanes in 64 bits each.
 struct reciprocals16 { v8 even, odd; };
 SPANTEX_INLINE v8 reciprocal_of_w8(v8 w) {  // reciprocal_of_w(w, 30)
-  const __mmask8 small = _mm512_cmplt_epu64_mask(w, set(int64_t(1) << 30));
-  const v8 one = set(1), two = _mm512_add_epi64(one, one);
+  const __mmask8 small = _mm512_cmplt_epu64_mask(w, of64<int64_t(1) << 30>());
+  const v8 one = of64<1>(), two = _mm512_add_epi64(one, one);
   const v8 m = _mm512_sllv_epi64(w, _mm512_mask_mov_epi64(one, small, two));
   const v8 y = reciprocal8(m);
   const v8 shift = _mm512_mask_mov_epi64(two, small, one), half = _mm512_mask_mov_epi64(two, small, one);
   return _mm512_srlv_epi64(_mm512_add_epi64(y, half), shift);
 }
 SPANTEX_INLINE reciprocals16 reciprocal16(v16 e) {
-  const v16 w = _mm512_add_epi32(e, set32(1 << 30));
-  return {reciprocal_of_w8(_mm512_and_si512(w, set(0xFFFFFFFF))), reciprocal_of_w8(_mm512_srli_epi64(w, 32))};
+  const v16 w = _mm512_add_epi32(e, of32<1 << 30>());
+  return {reciprocal_of_w8(_mm512_and_si512(w, of64<0xFFFFFFFF>())), reciprocal_of_w8(_mm512_srli_epi64(w, 32))};
 }
 
 // n / w with 14 fraction bits, rounded, as for coordinate_bits.
 SPANTEX_INLINE v16 by_divide16(v16 n, const reciprocals16& r, v8 shift) {
-  const v8 half = _mm512_sllv_epi64(set(1), _mm512_sub_epi64(shift, set(1)));
+  const v8 half = _mm512_sllv_epi64(of64<1>(), _mm512_sub_epi64(shift, of64<1>()));
   const auto one = [&](v8 x, v8 y) { return _mm512_srav_epi64(_mm512_add_epi64(_mm512_mul_epi32(x, y), half), shift); };
   const v8 even = one(n, r.even), odd = one(_mm512_srli_epi64(n, 32), r.odd);
   return _mm512_mask_mov_epi32(even, 0xAAAA, _mm512_slli_epi64(odd, 32));
@@ -61,7 +62,7 @@ SPANTEX_INLINE void divide(offsets& o) {
   const v8 shift = set(o.bits - q.coordinate_bits + q.reciprocal_bits);
 #pragma GCC unroll 4
   for (int n = 0; n < quads; ++n) {
-    const reciprocals16 r = reciprocal16(o.e[n]);
+    reciprocals16 r = reciprocal16(o.e[n]);
     o.u[n] = by_divide16(o.u[n], r, shift);
     o.v[n] = by_divide16(o.v[n], r, shift);
   }
@@ -79,34 +80,14 @@ SPANTEX_INLINE void forms(v16 c, int32_t x, int32_t y, v16 (&out)[quads]) {
   out[3] = _mm512_add_epi32(out[1], below);
 }
 
-// A span's pixels in four groups of sixteen, each two pixels along the footprints' major axis if they are long: its texels then lie close together.
-enum class grouping : uint8_t { square, rows, columns };
+// The pixels of quad n.
+SPANTEX_INLINE span_mask pixels_of(int n) { return span_mask(0x0F0F0F0F) << (32 * (n >> 1) + 4 * (n & 1)); }
 
-// The pixels of group n.
-SPANTEX_INLINE span_mask pixels_of(grouping how, int n) {
-  switch (how) {
-    case grouping::rows: return span_mask(0xFFFF) << (16 * n);
-    case grouping::columns: return span_mask(0x0303030303030303) << (2 * n);
-    case grouping::square: break;
-  }
-  return span_mask(0x0F0F0F0F) << (32 * (n >> 1) + 4 * (n & 1));
-}
-
-SPANTEX_INLINE void forms(grouping how, int32_t c, int32_t x, int32_t y, v16 (&out)[quads]) {
-  if (how == grouping::square) return forms(set32(c), x, y, out);
-  const v16 along = _mm512_setr_epi32(-7, -5, -3, -1, 1, 3, 5, 7, -7, -5, -3, -1, 1, 3, 5, 7), beside = _mm512_setr_epi32(-7, -7, -7, -7, -7, -7, -7, -7, -5, -5, -5, -5, -5, -5, -5, -5);
-  const bool rows = how == grouping::rows;
-  const v16 a = set32(rows ? x : y), b = set32(rows ? y : x);
-  out[0] = _mm512_add_epi32(_mm512_add_epi32(set32(c), _mm512_mullo_epi32(a, along)), _mm512_mullo_epi32(b, beside));
-#pragma GCC unroll 3
-  for (int n = 1; n < quads; ++n) out[n] = _mm512_add_epi32(out[n - 1], _mm512_slli_epi32(b, 2));
-}
-
-SPANTEX_INLINE offsets offsets_of(const batch& b, int k, grouping how = grouping::square) {
+SPANTEX_INLINE offsets offsets_of(const batch& b, int k) {
   offsets o;
-  forms(how, b.c_u[k], b.a_u[k], b.b_u[k], o.u);
-  forms(how, b.c_v[k], b.a_v[k], b.b_v[k], o.v);
-  forms(how, 0, b.g[k], b.h[k], o.e);
+  forms(set32(b.c_u[k]), b.a_u[k], b.b_u[k], o.u);
+  forms(set32(b.c_v[k]), b.a_v[k], b.b_v[k], o.v);
+  forms(_mm512_setzero_si512(), b.g[k], b.h[k], o.e);
   o.bits = b.exponent[k];
   o.half = 1u << (o.bits - q.coordinate_bits - 1);
   const v16 slope_log2 = set32(b.slope_log2[k]);
@@ -126,16 +107,16 @@ struct positions { v16 u, v; int32_t base_u, base_v; int bits; uint32_t half; };
 SPANTEX_INLINE positions positions_of(const batch& b, int k, const offsets& o, int n) { return {o.u[n], o.v[n], b.base_u[k], b.base_v[k], o.bits, o.half}; }
 
 // Drops the bits that keep positions modulo 16 texels of any level up to this one from fitting 32 bits: few spans have any.
-SPANTEX_INLINE void shorten(int last_level, offsets& o) {
-  const int drop = o.bits + last_level - 28;
+SPANTEX_INLINE void shorten(int last_level, v16 (&u)[quads], v16 (&v)[quads], int& bits, uint32_t& half) {
+  const int drop = bits + last_level - 28;
   if (drop <= 0) [[likely]] return;
 #pragma GCC unroll 4
   for (int n = 0; n < quads; ++n) {
-    o.u[n] = _mm512_sra_epi32(o.u[n], _mm_cvtsi32_si128(drop));
-    o.v[n] = _mm512_sra_epi32(o.v[n], _mm_cvtsi32_si128(drop));
+    u[n] = _mm512_sra_epi32(u[n], _mm_cvtsi32_si128(drop));
+    v[n] = _mm512_sra_epi32(v[n], _mm_cvtsi32_si128(drop));
   }
-  o.bits -= drop;
-  o.half >>= drop;
+  bits -= drop;
+  half >>= drop;
 }
 
 // Positions on a level: u in the lower half of each lane, v in the upper, 7 bits of fraction and 4 of texel each; what is above is anything.
@@ -150,17 +131,35 @@ SPANTEX_INLINE SPANTEX_WRAPS v16 snapped16(const positions& p, int level) {
   return snapped16(p.u, p.v, set32(int32_t((uint32_t(p.base_u) << p.bits) + start)), set32(int32_t((uint32_t(p.base_v) << p.bits) + start)), set32(drop), set32(drop - 16));
 }
 
-// The same for a span's quads on two levels each: what to add and how far to shift. Fine levels of the four quads, then the coarse ones.
+// The same for a span's quads on several levels each: what to add and how far to shift. Fine levels of the four quads, then the coarse ones, then those after them.
 struct alignas(32) snapping {
-  int32_t from_u[2 * quads], from_v[2 * quads], drop[2 * quads], turn[2 * quads];
-  SPANTEX_INLINE SPANTEX_WRAPS snapping(const offsets& o, int32_t base_u, int32_t base_v, __m256i level) {
-    const __m256i shift = _mm256_add_epi32(level, _mm256_set1_epi32(o.bits - q.subtexel_bits));
+  int32_t from_u[3 * quads], from_v[3 * quads], drop[3 * quads], turn[3 * quads];
+
+  SPANTEX_INLINE SPANTEX_WRAPS void take_two(int bits, uint32_t rounding, int32_t base_u, int32_t base_v, __m256i level) {
+    const __m256i shift = _mm256_add_epi32(level, _mm256_set1_epi32(bits - q.subtexel_bits));
     const __m256i half = _mm256_sllv_epi32(_mm256_set1_epi32(1), _mm256_sub_epi32(shift, _mm256_set1_epi32(1)));
     const __m256i start = _mm256_sub_epi32(half, _mm256_slli_epi32(half, q.subtexel_bits));
-    put(from_u, _mm256_add_epi32(start, _mm256_set1_epi32(int32_t((uint32_t(base_u) << o.bits) + o.half))));
-    put(from_v, _mm256_add_epi32(start, _mm256_set1_epi32(int32_t((uint32_t(base_v) << o.bits) + o.half))));
+    const auto put = [](int32_t* to, __m256i x) { _mm256_storeu_si256(reinterpret_cast<__m256i*>(to), x); };
+    put(from_u, _mm256_add_epi32(start, _mm256_set1_epi32(int32_t((uint32_t(base_u) << bits) + rounding))));
+    put(from_v, _mm256_add_epi32(start, _mm256_set1_epi32(int32_t((uint32_t(base_v) << bits) + rounding))));
     put(drop, shift);
     put(turn, _mm256_sub_epi32(shift, _mm256_set1_epi32(16)));
   }
-  SPANTEX_INLINE v16 at(v16 u, v16 v, int k) const { return snapped16(u, v, set32(from_u[k]), set32(from_v[k]), set32(drop[k]), set32(turn[k])); }
+
+  // What two levels have is known.
+  SPANTEX_INLINE SPANTEX_WRAPS void take_next(int bits, uint32_t rounding, int32_t base_u, int32_t base_v, __m128i level) {
+    const __m128i shift = _mm_add_epi32(level, _mm_set1_epi32(bits - q.subtexel_bits)), half = _mm_sllv_epi32(_mm_set1_epi32(1), _mm_sub_epi32(shift, _mm_set1_epi32(1)));
+    const __m128i start = _mm_sub_epi32(half, _mm_slli_epi32(half, q.subtexel_bits));
+    const auto put = [](int32_t* to, __m128i x) { _mm_storeu_si128(reinterpret_cast<__m128i*>(to + 2 * quads), x); };
+    put(from_u, _mm_add_epi32(start, _mm_set1_epi32(int32_t((uint32_t(base_u) << bits) + rounding))));
+    put(from_v, _mm_add_epi32(start, _mm_set1_epi32(int32_t((uint32_t(base_v) << bits) + rounding))));
+    put(drop, shift);
+    put(turn, _mm_sub_epi32(shift, _mm_set1_epi32(16)));
+  }
+
+  template <class C>
+  SPANTEX_INLINE v16 at(const C& c, v16 u, v16 v, int k) const {
+    const v16 x = _mm512_srlv_epi32(_mm512_add_epi32(u, set32(from_u[k])), set32(drop[k])), y = _mm512_rorv_epi32(_mm512_add_epi32(v, set32(from_v[k])), set32(turn[k]));
+    return _mm512_mask_mov_epi16(y, __mmask32(c.even), x);
+  }
 };

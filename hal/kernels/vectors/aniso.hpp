@@ -125,7 +125,7 @@ SPANTEX_INLINE v means_of_rows(const row_levels& map, const on_level<Shift>& fin
     add_colours(on.sums, blended(map, on.places[s % placed], level.down), v(samples > s), s < fewest);
   };
   const auto take = [&](const on_level<Shift>& level, samples_on& on, v u, v w, int s) SPANTEX_INLINED {
-    place<MasksOnly>(level, u, w, on.places[s % placed]);
+    place_lanes<MasksOnly>(level, u, w, on.places[s % placed]);
     if (!places_first) add(level, on, s);
   };
   const auto take_both = [&](v u, v w, int s) SPANTEX_INLINED {

@@ -27,6 +27,12 @@ SPANTEX_INLINE bool fitted(const row_work& work, span_coefficients& c) {
   return reach_of(c) <= levels.place_limit();
 }
 
+SPANTEX_INLINE bool any_of(const span_mask* masks, int count) {
+  span_mask any = 0;
+  for (int k = 0; k < count; ++k) any |= masks[k];
+  return any != 0;
+}
+
 // Plans are long chains of dependent operations: several are made one after another, so that they overlap.
 template <filter Kind, bool MasksOnly>
 void draw_row(const row_work& work) {
@@ -35,6 +41,10 @@ void draw_row(const row_work& work) {
   planner<Kind> plans(work);
   for (int first = 0; first < work.count; first += batch) {
     const int count = min_of(batch, work.count - first);
+    if (!any_of(work.masks + first, count)) {
+      plans.skip(count);
+      continue;
+    }
     plans.next(count, c, usable);
     for (int k = 0; k < count; ++k) {
       usable[k] = usable[k] && fitted<MasksOnly>(work, c[k]);

@@ -11,6 +11,7 @@ class planner {
   SPANTEX_INLINE void next(int count, span_coefficients* c, bool* usable) {
     for (int k = 0; k < count; ++k) usable[k] = next(c[k]);
   }
+  SPANTEX_INLINE void skip(int count) { sx_ += count; }
 
  private:
   SPANTEX_INLINE bool next(span_coefficients& c) {

@@ -46,6 +46,11 @@ class planner {
   SPANTEX_INLINE void next(int count, span_coefficients* c, bool* usable) {
     for (int k = 0; k < count; k += wide_lanes) next(c + k, usable + k);
   }
+  SPANTEX_INLINE void skip(int count) {  // a multiple of wide_lanes, or no more follow
+    w_ += 2 * span_side * count * plane_.w.x;
+    u_ += 2 * span_side * count * plane_.u.x;
+    v_ += 2 * span_side * count * plane_.v.x;
+  }
 
  private:
   SPANTEX_INLINE void next(span_coefficients* c, bool* usable) {

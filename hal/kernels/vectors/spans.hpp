@@ -61,7 +61,7 @@ SPANTEX_INLINE v places_of(v texels, const on_level<Shift>& l) {
 struct alignas(sizeof(v)) lanes_places { int32_t top[width], fraction[width]; };
 
 template <bool MasksOnly, class Shift>
-SPANTEX_INLINE void place(const on_level<Shift>& l, v position_u, v position_v, lanes_places& out) {
+SPANTEX_INLINE void place_lanes(const on_level<Shift>& l, v position_u, v position_v, lanes_places& out) {
   const v u = (position_u + l.add_u) >> l.cut, w = (position_v + l.add_v) >> l.cut;
   put(out.top, places_of<MasksOnly>(halves(u >> q.subtexel_bits, w << (16 - q.subtexel_bits)), l));
   put(out.fraction, halves(u, w << 16) & 0x007F007F);
@@ -81,7 +81,7 @@ SPANTEX_INLINE blends blended(const row_levels& map, const lanes_places& at, v d
 template <bool MasksOnly, class Shift>
 SPANTEX_INLINE blends blended_at(const row_levels& map, const on_level<Shift>& l, v position_u, v position_v) {
   lanes_places at;
-  place<MasksOnly>(l, position_u, position_v, at);
+  place_lanes<MasksOnly>(l, position_u, position_v, at);
   return blended(map, at, l.down);
 }
 
@@ -152,7 +152,7 @@ SPANTEX_INLINE void draw_bilinear(const row_work& work, int32_t sx, span_mask ma
   const row_levels& map = work.texels->levels_in_rows();
   const on_level<int32_t> l = level_at_once(map, 0, p);
   lanes_places places[placed_groups];
-  draw_groups(work, sx, mask, [&](int n) SPANTEX_INLINED { place<MasksOnly>(l, get(p.u + width * n), get(p.v + width * n), places[n % placed_groups]); },
+  draw_groups(work, sx, mask, [&](int n) SPANTEX_INLINED { place_lanes<MasksOnly>(l, get(p.u + width * n), get(p.v + width * n), places[n % placed_groups]); },
               [&](int n) SPANTEX_INLINED { return pixels_of(blended(map, places[n % placed_groups], l.down)); });
 }
 
@@ -181,11 +181,11 @@ class pixels_on_levels {
     g.taken = levels_taken::several;
     if (!all_equal(whole, first)) [[unlikely]] return;
     hold(first);
-    kernels::place<MasksOnly>(near_, u, w, g.near);
+    place_lanes<MasksOnly>(near_, u, w, g.near);
     g.near_down = near_.down;
     g.taken = levels_taken::one;
     if (!TwoLevels || all_equal(level & 255, 0)) return;
-    kernels::place<MasksOnly>(far_, u, w, g.far);
+    place_lanes<MasksOnly>(far_, u, w, g.far);
     g.far_down = far_.down;
     g.taken = levels_taken::two;
   }

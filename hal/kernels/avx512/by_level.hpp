@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: Apache-2.0
+// AVX-512 kernel: spans on their levels of detail. Included by ../avx512.cpp alone.
+#pragma once
+
+struct level_span {
+  v16 lengths;                        // lengths16()
+  v16 u[quads], v[quads];             // offsets
+  v16 level[quads];                   // of detail, 2^-8
+  int bits;                           // of the offsets
+  uint32_t half;
+  snapping at;
+  span_sections fine, coarse, next;
+  int32_t first_level[quads];         // the least of each quad's pixels
+  uint32_t fit;                       // bit n: quad n's sections are here
+  bool crossing;                      // some quad's pixels lie on two whole levels: they take from three
+  bool wide;                          // the fine sections may be
+  bool one_level;                     // no pixel takes anything from its coarse level
+};
+
+SPANTEX_INLINE void take(const offsets& o, level_span& s) {
+#pragma GCC unroll 4
+  for (int n = 0; n < quads; ++n) {
+    s.u[n] = o.u[n];
+    s.v[n] = o.v[n];
+  }
+  s.bits = o.bits;
+  s.half = o.half;
+}
+
+// Whole levels of pixels.
+template <bool TwoLevels>
+SPANTEX_INLINE v16 whole_of(v16 level) {
+  if constexpr (TwoLevels) return _mm512_srai_epi32(level, 8);
+  else return _mm512_srai_epi32(_mm512_add_epi32(level, of32<127>()), 8);  // ceil(d + 1/2) - 1
+}
+
+// What is added to a level's colour, 14 and more bits of fraction: texels are signed, so 128 as well as what rounds.
+template <bool TwoLevels>
+SPANTEX_INLINE v16 rounding_of() { return TwoLevels ? of32<(128 << (14 + up_between)) + (1 << 7)>() : of32<(128 << (14 + up_of_one)) + before_even>(); }
+
+// Of the quads' first pixels, four times over.
+SPANTEX_INLINE v16 of_quads(const v16 (&x)[quads]) {
+  const v16 first = _mm512_setr_epi32(0, 16, 0, 16, 0, 16, 0, 16, 0, 16, 0, 16, 0, 16, 0, 16);
+  return _mm512_unpacklo_epi64(_mm512_permutex2var_epi32(x[0], first, x[1]), _mm512_permutex2var_epi32(x[2], first, x[3]));
+}
+
+// The least of each quad's lanes, four times over.
+SPANTEX_INLINE v16 least_of_quads(const v16 (&x)[quads]) {
+  const auto two = [](v16 a, v16 b) { return _mm512_min_epi32(_mm512_unpacklo_epi32(a, b), _mm512_unpackhi_epi32(a, b)); };
+  const v16 left = two(x[0], x[1]), right = two(x[2], x[3]), rows = _mm512_min_epi32(_mm512_unpacklo_epi64(left, right), _mm512_unpackhi_epi64(left, right));
+  const v16 pairs = _mm512_min_epi32(rows, _mm512_shuffle_i32x4(rows, rows, 0x4E));
+  return _mm512_min_epi32(pairs, _mm512_shuffle_i32x4(pairs, pairs, 0xB1));
+}
+
+// Where the levels of a span's quads lie in the map. `crossing`: some quad's pixels have two whole levels.
+template <bool TwoLevels>
+SPANTEX_INLINE void place(const planar_map& map, int32_t last_level, int32_t base_u, int32_t base_v, level_span& s) {
+  const v16 reach = reach_of(s.u, s.v, s.bits, base_u, base_v), last = set32(last_level);
+  const v16 whole[quads] = {whole_of<TwoLevels>(s.level[0]), whole_of<TwoLevels>(s.level[1]), whole_of<TwoLevels>(s.level[2]), whole_of<TwoLevels>(s.level[3])};
+  const auto first_of = [](v16 x) { return _mm512_broadcastd_epi32(_mm512_castsi512_si128(x)); };
+  const auto differs = [&](int n) { return _mm512_cmpneq_epi32_mask(whole[n], first_of(whole[n])); };
+  const auto further = [&](v16 level) { return _mm512_min_epi32(_mm512_add_epi32(level, of32<1>()), last); };
+  v16 fine_level = of_quads(whole);
+  s.crossing = (differs(0) | differs(1) | differs(2) | differs(3)) != 0;
+  if (s.crossing) [[unlikely]] fine_level = least_of_quads(whole);
+  const v16 coarse_level = further(fine_level);
+  _mm_store_si128(reinterpret_cast<__m128i*>(s.first_level), _mm512_castsi512_si128(fine_level));
+  shorten(last_level, s.u, s.v, s.bits, s.half);
+  s.at.take_two(s.bits, s.half, base_u, base_v, _mm256_set_m128i(_mm512_castsi512_si128(coarse_level), _mm512_castsi512_si128(fine_level)));
+  find_sections<false>(map, reach, fine_level, s.fine);
+  s.wide = s.fine.fit != 0xF;
+  if (s.wide) find_sections<true>(map, reach, fine_level, s.fine);
+  s.fit = s.fine.fit;
+  s.one_level = TwoLevels && !s.crossing && _mm512_test_epi32_mask(_mm512_or_si512(_mm512_or_si512(s.level[0], s.level[1]), _mm512_or_si512(s.level[2], s.level[3])), of32<255>()) == 0;
+  if (s.one_level || (!TwoLevels && !s.crossing)) return;
+  find_sections<false>(map, reach, coarse_level, s.coarse);
+  s.fit &= s.coarse.fit;
+  if (!s.crossing) [[likely]] return;
+  if constexpr (TwoLevels) {
+    const v16 next_level = further(coarse_level);
+    s.at.take_next(s.bits, s.half, base_u, base_v, _mm512_castsi512_si128(next_level));
+    find_sections<false>(map, reach, next_level, s.next);
+    s.fit &= s.next.fit;
+  }
+  for (int n = 0; n < quads; ++n)
+    if (_mm512_cmpgt_epi32_mask(whole[n], set32(s.first_level[n] + 1)) != 0) s.fit &= ~(1u << n);
+}
+
+SPANTEX_INLINE positions positions_of(const batch& b, int k, const level_span& s, int n) { return {s.u[n], s.v[n], b.base_u[k], b.base_v[k], s.bits, s.half}; }
+
+// What a span's quads take: one level, no pixel any other; or as many as the filter takes; or one more, as some quad's pixels lie on two whole levels.
+enum class taken : uint8_t { one, all, more };
+
+// How a span's quads are drawn. Whether the fine sections are as narrow as the coarse ones is much the same from one span to the next.
+template <bool TwoLevels, taken Levels, int Channels, bool Wide>
+struct quad_blender {
+  static constexpr int up = TwoLevels ? up_between : up_of_one;
+  const uint8_t* blocks;
+  sampling<up> from;
+  colouring as;
+  v16 rounding;
+
+  SPANTEX_INLINE explicit quad_blender(const uint8_t* of) : blocks(of), rounding(rounding_of<TwoLevels>()) {}
+
+  SPANTEX_INLINE v16 operator()(const level_span& s, int n) const {
+    const v16 u = s.u[n], v = s.v[n], level = s.level[n];
+    v16 fine[Channels];
+    blended16<Wide>(section_of<Wide>(blocks, s.fine, n), samples16(from, s.at.at(from, u, v, n)), rounding, fine);
+    return finished(s, n, u, v, level, fine);
+  }
+
+  // The fine level's colours given.
+  SPANTEX_INLINE v16 finished(const level_span& s, int n, v16 u, v16 v, v16 level, v16 (&fine)[Channels]) const {
+    v16 coarse[Channels];
+    if constexpr (Levels == taken::more || (TwoLevels && Levels == taken::all)) blended_on<1>(s, n, u, v, coarse);
+    if constexpr (Levels == taken::more) {
+      const __mmask16 second = _mm512_cmpneq_epi32_mask(whole_of<TwoLevels>(level), set32(s.first_level[n]));
+#pragma GCC unroll 4
+      for (int m = 0; m < Channels; ++m) fine[m] = _mm512_mask_mov_epi32(fine[m], second, coarse[m]);
+      if constexpr (TwoLevels) {
+        v16 next[Channels];
+        blended_on<2>(s, n, u, v, next);
+#pragma GCC unroll 4
+        for (int m = 0; m < Channels; ++m) coarse[m] = _mm512_mask_mov_epi32(coarse[m], second, next[m]);
+      }
+    }
+    const v16 weights = as.level_weights(level);
+#pragma GCC unroll 4
+    for (int m = 0; m < Channels; ++m) fine[m] = !TwoLevels ? as.even(fine[m]) : Levels == taken::one ? as.on_one_level(fine[m]) : as.between_levels(fine[m], coarse[m], weights);
+    return as.packed(fine);
+  }
+
+ private:
+  // On the level that lies so many after the fine one; after what was read before: addresses of two levels at once are more than there are registers.
+  template <int After>
+  SPANTEX_INLINE void blended_on(const level_span& s, int n, v16 u, v16 v, v16 (&out)[Channels]) const {
+    asm volatile("" ::: "memory");
+    blended16<false>(section_of<false>(blocks, After == 1 ? s.coarse : s.next, n), samples16(from, s.at.at(from, u, v, n + After * quads)), rounding, out);
+  }
+};
+
+// All of a span. No function is called here: it would take the constants out of their registers.
+template <class Blender>
+SPANTEX_INLINE void write_quads(const uint8_t* blocks, const level_span& s, rgba8* row, int64_t stride) {
+  Blender blended(blocks);
+#pragma GCC unroll 1
+  for (int n = 0; n < quads; n += 2, row += quad_side * stride) {
+    const v16 left = blended(s, n);
+    write_half(row, stride, left, blended(s, n + 1));
+  }
+}
+
+template <class Blender>
+SPANTEX_INLINE void blend_quads(const uint8_t* blocks, const level_span& s, uint32_t some, v16 (&out)[quads]) {
+  Blender blended(blocks);
+#pragma GCC unroll 1
+  for (int n = 0; n < quads; ++n)
+    if (some >> n & 1) out[n] = blended(s, n);
+}
+
+// A quad that spreads too far, as a rule on its fine level alone, or over too many levels. False where the map has no blocks.
+template <bool TwoLevels, taken Levels, int Channels>
+[[gnu::noinline]] bool spread_quad(const planar_map& map, int32_t last_level, const positions& p, const level_span& s, int n, v16& out) {
+  const v16 whole = whole_of<TwoLevels>(s.level[n]), first = set32(s.first_level[n]);
+  const __mmask16 others = _mm512_cmpneq_epi32_mask(whole, first);
+  const uint32_t further = Levels == taken::more ? (TwoLevels ? s.coarse.fit & s.next.fit : s.coarse.fit) : TwoLevels && Levels == taken::all ? s.coarse.fit : 0xF;
+  if (!(further >> n & 1) || _mm512_cmpgt_epi32_mask(whole, _mm512_add_epi32(first, set32(1))) != 0)
+    return by_level_anywhere<TwoLevels>(map, p, last_level, whole, _mm512_and_si512(s.level[n], set32(255)), out);
+  using blender = quad_blender<TwoLevels, Levels, Channels, false>;
+  const blender blended(map.blocks());
+  v16 fine[Channels];
+  if (!blend_anywhere<blender::up>(map, on_levels(map, texels_of(p), first), first, __mmask16(~others), TwoLevels ? 1 << 7 : before_even, fine)) return false;
+  out = blended.finished(s, n, p.u, p.v, s.level[n], fine);
+  return true;
+}
+
+// Quads with pixels in a mask.
+SPANTEX_INLINE uint32_t quads_of(span_mask mask) {
+  uint32_t in = 0;
+  for (int n = 0; n < quads; ++n) in |= uint32_t((mask & pixels_of(n)) != 0) << n;
+  return in;
+}
+
+template <bool TwoLevels, taken Levels, int Channels, bool Wide>
+SPANTEX_INLINE bool blend_span(const row_work& work, const batch& b, int k, const level_span& s) {
+  const span_mask mask = work.masks[b.first + k];
+  const planar_map& map = *work.texels;
+  using blender = quad_blender<TwoLevels, Levels, Channels, Wide>;
+  if (mask == ~span_mask(0) && s.fit == 0xF) [[likely]] {
+    write_quads<blender>(map.blocks(), s, first_of_span(work, b.sx + k), work.stride);
+    return true;
+  }
+  const uint32_t wanted = quads_of(mask), spread = wanted & ~s.fit;
+  v16 out[quads];
+  if ((wanted & s.fit) != 0) blend_quads<blender>(map.blocks(), s, wanted & s.fit, out);
+  for (int n = 0; spread >> n != 0; ++n)
+    if ((spread >> n & 1) && !spread_quad<TwoLevels, Levels, Channels>(map, work.last_level, positions_of(b, k, s, n), s, n, out[n])) return false;
+  write(work, b.sx + k, mask, out);
+  return true;
+}
+
+template <bool TwoLevels, int Channels>
+SPANTEX_INLINE bool blend_span(const row_work& work, const batch& b, int k, const level_span& s) {
+  const auto by_width = [&]<taken Levels>() __attribute__((always_inline)) {
+    return s.wide ? blend_span<TwoLevels, Levels, Channels, true>(work, b, k, s) : blend_span<TwoLevels, Levels, Channels, false>(work, b, k, s);
+  };
+  if (s.crossing) [[unlikely]] return by_width.template operator()<taken::more>();
+  return s.one_level ? by_width.template operator()<taken::one>() : by_width.template operator()<taken::all>();
+}
+
+// Levels that are no exact halves of each other.
+template <bool TwoLevels>
+[[gnu::noinline]] bool draw_anywhere(const row_work& work, const batch& b, int k, level_span& s) {
+  const span_mask mask = work.masks[b.first + k];
+  v16 out[quads] = {};
+  shorten(work.last_level, s.u, s.v, s.bits, s.half);
+#pragma GCC unroll 1
+  for (int n = 0; n < quads; ++n) {
+    if ((mask & pixels_of(n)) == 0) continue;
+    if (!by_level_anywhere<TwoLevels>(*work.texels, positions_of(b, k, s, n), work.last_level, whole_of<TwoLevels>(s.level[n]), _mm512_and_si512(s.level[n], set32(255)), out[n]))
+      return false;
+  }
+  write(work, b.sx + k, mask, out);
+  return true;
+}
+
+// Pixels whose positions and levels are known.
+template <bool TwoLevels, int Channels>
+SPANTEX_INLINE bool draw_at_levels(const row_work& work, const batch& b, int k, level_span& s) {
+  if (!work.texels->exact()) [[unlikely]] return draw_anywhere<TwoLevels>(work, b, k, s);
+  place<TwoLevels>(*work.texels, work.last_level, b.base_u[k], b.base_v[k], s);
+  return blend_span<TwoLevels, Channels>(work, b, k, s);
+}
