@@ -92,6 +92,7 @@ GATES = [
     ("a vector kernel's rows as long as they like", "hal/kernels/vectors/aniso.hpp", "map.place_limit() - reach_of(c)", "8192", "kernels", "rows_beyond*", KERNELS),
     ("a vector kernel's texels before the division", "hal/kernels/vectors/common.hpp", "extent + (extent >> (-1 - c.slope_log2)) + 1", "extent", "kernels", "texels_after*", KERNELS),
     ("a vector kernel's positions next to the range's end", "hal/kernels/kernel.hpp", "- (2 << max_extent_log2) - 2", "- (1 << max_extent_log2) - 2", "kernels", "positions_next*", KERNELS),
+    ("a vector kernel's texels beyond two periods", "hal/kernels/vectors/spans.hpp", "  at = least16_unsigned(at, subtract16(at, two));\n", "", "kernels", "random_planes*", KERNELS),
     ("words rounded half up", "hal/kernels/vectors/words.hpp", "- 1) * in_both + (x >> fraction & in_both)", "- 0) * in_both", "kernels", "random_planes*", KERNELS),
     ("truncated colours", F + "filter.hpp", "uint8_t(round_off(c.value, c.bits, q.colour_rounding))", "uint8_t(c.value >> c.bits)", "filter", "*within_1_lsb*", []),
     ("weights that do not sum to one", F + "filter.hpp", "return (a << weight_bits) + (b - a) * f;", "return (a << weight_bits) - a + (b - a) * f;",
@@ -418,6 +419,17 @@ GATES = [
     ("a level's vertices believed", "sim/level.cpp", "if (index >= count) throw damaged(k);", "if (index >= count) continue;", "quake_level", "damaged*", LEVELS),
     ("walls that do not stop a walk", "sim/tour.cpp", "u + v <= 1 && t >= 0 && t <= 1", "u + v <= 1 && t >= 0 && t <= 0", "quake_level", "a_walk*", LEVELS),
 ]
+
+# Where the processor has what the kernel takes.
+if "avx512_vbmi" in pathlib.Path("/proc/cpuinfo").read_text():
+    GATES += [
+        ("AVX-512: quads on two levels take from one", "hal/kernels/avx512/by_level.hpp", "fine[m] = _mm512_mask_mov_epi32(fine[m], second, coarse[m]);", "(void)second;", "kernels", "random_planes*", KERNELS),
+        ("AVX-512: spans magnified that are not", "hal/kernels/avx512/plan.hpp", "_mm512_sub_epi64(s.exponent, set(2))", "_mm512_sub_epi64(s.exponent, set(1))", "kernels", "random_planes*", KERNELS),
+        ("AVX-512: spread quads from their section", "hal/kernels/avx512/by_level.hpp", "s.fit = s.fine.fit;", "s.fit = 0xF;", "kernels", "random_planes*", KERNELS),
+        ("AVX-512: sections of nine columns", "hal/kernels/avx512/sections.hpp", "of32<block_side - 1>()", "of32<block_side>()", "kernels", "random_planes*", KERNELS),
+        ("AVX-512: two samples taken for one", "hal/kernels/avx512/aniso.hpp", ">> 16 > 1 ? two : one)", ">> 16 > 2 ? two : one)", "kernels", "random_planes*", KERNELS),
+        ("AVX-512: halves always up", "hal/kernels/avx512/filters.hpp", "_mm512_and_si512(x, one), one); }", "one, one); }", "kernels", "random_planes*", KERNELS),
+    ]
 
 FLAGS = ["-std=c++20", "-O1", "-I.", "-Ifirmware", "-pthread"]
 LINK = ["-lcmocka", "-Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc"]

@@ -10,8 +10,9 @@ int32_t length_of(wrap mode, int32_t side) { return mode == wrap::mirror ? 2 * s
 bool power_of_two(int32_t n) { return (n & (n - 1)) == 0; }
 int32_t half(int32_t n, int shift) { return int32_t(uint32_t(n & 0xFFFF) << shift); }
 
-// Bases modulo the period lie one period at most from where they are wrapped to, less what the smallest level needs for a neighbour.
-int32_t limit_of(int32_t period, int levels) { return period - (1 << levels) - 1; }
+// Bases are taken modulo the period; what comes of it is wrapped within four periods of 0, less what the smallest level needs for a neighbour.
+static_assert(4 * (2 * max_texture_side) <= 1 << 15, "four periods of a mirrored map are still told apart in 16 bits");
+int32_t limit_of(int32_t period, int levels) { return 3 * period - (1 << levels) - 1; }
 
 }  // namespace
 

@@ -12,8 +12,8 @@
 namespace spantex::kernels {
 
 // A texel's place (x, y) is two 16-bit numbers in 32 bits, x in the lower half. To wrap it on a level, half by half:
-//   min(k, k + period) and min(k, k - period), unsigned; & mask; max(k, low), min(k, high), signed
-// where one period is enough, as it is for every k that place_limit() lets through.
+//   min(k, k + 4 period), min(k, k - 2 period) and min(k, k - period), unsigned; & mask; max(k, low), min(k, high), signed
+// for k from -4 to 4 periods, which is what place_limit() lets through.
 class row_levels {
  public:
   static constexpr int most = 16;

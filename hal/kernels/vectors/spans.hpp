@@ -46,7 +46,9 @@ SPANTEX_INLINE v wrapped_texel(v at, const on_level<Shift>& l) {
   const v kept = l.field[row_levels::mask];
   if constexpr (MasksOnly) return at & kept;
   const v turn = l.field[row_levels::period];
-  at = least16_unsigned(at, add16(at, turn));
+  const v two = add16(turn, turn);
+  at = least16_unsigned(at, add16(at, add16(two, two)));
+  at = least16_unsigned(at, subtract16(at, two));
   at = least16_unsigned(at, subtract16(at, turn)) & kept;
   return least16(largest16(at, l.field[row_levels::low]), l.field[row_levels::high]);
 }
