@@ -214,8 +214,6 @@ $(B)/%.o: %.cpp Makefile
 
 # Kernels are unrolled by the compiler; gcc's own intrinsics warn of the undefined lanes they mean, and of vectors passed between functions that melt into one.
 $(B)/hal/kernels/%.o: FLAGS += -O3 -Wno-unknown-warning-option -Wno-uninitialized -Wno-maybe-uninitialized -Wno-psabi
-# clang's address sanitizer takes more than ten minutes over this one file; of its sanitizers the others look at it.
-$(B)/hal/kernels/avx512.o: FLAGS += $(if $(findstring -fsanitize=address,$(CXXFLAGS)),-O1 -fno-sanitize=address)
 
 $(B)/tests/%: $(B)/tests/unit/%.o $(HOST_OBJECTS)
 	@mkdir -p $(@D)

@@ -133,11 +133,18 @@ SPANTEX_CASE(squares_have_the_papers_weights_and_do_not_overlap) {
 
 SPANTEX_CASE(a_mean_is_the_nearest_integer_and_a_constant_comes_out) {
   random_source random(44);
-  for (int n = 0; n < 300000; ++n) {
-    const uint32_t weight = uint32_t(random.between(1, 1 << 24)), sum = uint32_t(random.between(0, int64_t(255) * weight));
+  const auto check = [](uint32_t sum, uint32_t weight) {
     const int64_t m = mean(sum, weight, rounding::nearest), even = mean(sum, weight, rounding::even), low = mean(sum, weight, rounding::floor);
-    assert_true(2 * m * weight <= 2 * int64_t(sum) + weight && 2 * int64_t(sum) < (2 * m + 1) * weight + 0);
-    assert_true(std::llabs(even * weight - sum) * 2 <= weight && low * weight <= sum && sum < (low + 1) * int64_t(weight));
+    assert_true(2 * m * weight <= 2 * int64_t(sum) + weight && 2 * int64_t(sum) < (2 * m + 1) * weight);
+    const int64_t off = 2 * std::llabs(even * weight - sum);
+    assert_true(off < weight || (off == weight && even % 2 == 0));
+    assert_true(low * weight <= sum && sum < (low + 1) * int64_t(weight));
+  };
+  for (uint32_t weight = 1; weight <= 64; ++weight)
+    for (uint32_t sum = 0; sum <= 255 * weight; ++sum) check(sum, weight);
+  for (int n = 0; n < 300000; ++n) {
+    const uint32_t weight = uint32_t(random.between(1, 1 << 24));
+    check(uint32_t(random.between(0, int64_t(255) * weight)), weight);
     assert_int_equal(mean(weight * uint32_t(n % 256), weight, rounding::nearest), n % 256);
   }
   assert_int_equal(mean(5, 0, rounding::nearest), 0);

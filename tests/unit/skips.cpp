@@ -270,7 +270,6 @@ void saves(const test_scene& s, skip which, count counter, count work, count als
 }
 
 constexpr count words = [](const result& r) { return r.work.words_loaded; };
-constexpr count reads = [](const result& r) { return r.work.words_read; };
 constexpr count fetches = [](const result& r) { return r.machine.fetches; };
 constexpr count cycles = [](const result& r) { return r.machine.total_cycles; };
 
