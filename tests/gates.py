@@ -368,7 +368,9 @@ GATES = [
     ("no mip bias", F + "level.hpp", "finer(unbiased_level(prof, c, i, j), q.mip_bias)", "unbiased_level(prof, c, i, j)", "level", "the_mip_bias*", []),
     ("squares weighted alike", F + "footprint.hpp", "row_weight = aside + 3 - distance;", "row_weight = aside + 3;", "footprint", "squares_have*", [*MAPS, "sim/reference.cpp"]),
     ("means rounded down", F + "filter.hpp", "return uint16_t(whole + (up ? 1 : 0));", "return uint16_t(whole + 0 * up);", "footprint_properties", "pixels_are*", []),
-    ("means biased at ties and beyond", F + "filter.hpp", "rest >= weight - rest :", "rest + weight / 16 >= weight - rest :", "footprint_properties", "pixels_are*", []),
+    ("means biased at ties and beyond", F + "filter.hpp", "rest >= weight - rest :", "rest + weight / 16 >= weight - rest :", "footprint", "a_mean_is*", [*MAPS, "sim/reference.cpp"]),
+    ("means' ties to odd", F + "filter.hpp", "rest + (whole & 1) > weight - rest", "rest + (~whole & 1) > weight - rest", "footprint", "a_mean_is*", [*MAPS, "sim/reference.cpp"]),
+    ("means of a footprint biased", F + "filter.hpp", "rest + (whole & 1) > weight - rest", "rest + weight / 16 > weight - rest", "footprint_properties", "pixels_are*", []),
     ("footprints out of range half as wide", F + "area.hpp", "int32_t(1) << (10 + c.exponent)", "int32_t(1) << (9 + c.exponent)", "footprint_properties", "footprints_at*", []),
     ("footprints at the horizon clipped along one axis", F + "area.hpp", "clipped.a_u = halved(r.a_u);", "clipped.a_u = r.a_u;", "footprint_properties", "footprints_at*", []),
     ("a sample left out", F + "datapath.hpp", "k < min_of(c.axis.last_sample, f.samples); ++k)", "k < min_of(c.axis.last_sample, max_of(1, f.samples - 1)); ++k)",
@@ -424,10 +426,16 @@ GATES = [
 if "avx512_vbmi" in pathlib.Path("/proc/cpuinfo").read_text():
     GATES += [
         ("AVX-512: quads on two levels take from one", "hal/kernels/avx512/by_level.hpp", "fine[m] = _mm512_mask_mov_epi32(fine[m], second, coarse[m]);", "(void)second;", "kernels", "random_planes*", KERNELS),
-        ("AVX-512: spans magnified that are not", "hal/kernels/avx512/plan.hpp", "_mm512_sub_epi64(s.exponent, set(2))", "_mm512_sub_epi64(s.exponent, set(1))", "kernels", "random_planes*", KERNELS),
+        ("AVX-512: spans magnified that are not", "hal/kernels/avx512/columns.hpp", "_mm512_sub_epi64(s.exponent, set(2))", "_mm512_sub_epi64(s.exponent, set(1))", "kernels", "random_planes*", KERNELS),
         ("AVX-512: spread quads from their section", "hal/kernels/avx512/by_level.hpp", "s.fit = s.fine.fit;", "s.fit = 0xF;", "kernels", "random_planes*", KERNELS),
         ("AVX-512: sections of nine columns", "hal/kernels/avx512/sections.hpp", "of32<block_side - 1>()", "of32<block_side>()", "kernels", "random_planes*", KERNELS),
-        ("AVX-512: two samples taken for one", "hal/kernels/avx512/aniso.hpp", ">> 16 > 1 ? two : one)", ">> 16 > 2 ? two : one)", "kernels", "random_planes*", KERNELS),
+        ("AVX-512: two samples taken for one", "hal/kernels/avx512/aniso.hpp", ">= samples ? as_many : fewer)", ">= samples + 1 ? as_many : fewer)", "kernels", "random_planes*", KERNELS),
+        ("AVX-512: third samples on the first", "hal/kernels/avx512/aniso.hpp", "max_of(n - 1 - 2 * k, 0)", "max_of(n - 1, 0)", "kernels", "random_planes*", KERNELS),
+        ("AVX-512: rows' sections without their ends", "hal/kernels/avx512/aniso.hpp", "_mm512_mask_add_epi32(_mm512_sub_epi32(middle, aside), 0xFF00, middle, aside)", "middle", "kernels", "random_planes*", KERNELS),
+        ("AVX-512: every sample of a spread quad counted", "hal/kernels/avx512/aniso.hpp", "_mm512_maskz_mov_epi32(lanes, weights)", "weights", "kernels", "random_planes*", KERNELS),
+        ("AVX-512: means' halves up", "hal/kernels/avx512/aniso.hpp", "_mm512_mask_andnot_epi32(whole, tie,", "_mm512_mask_andnot_epi32(whole, 0 * tie,", "kernels", "random_planes*", KERNELS),
+        ("AVX-512: directions turned by one", "hal/kernels/avx512/columns.hpp", "_mm512_movepi64_mask(across), of64<16>()", "_mm512_movepi64_mask(across), of64<17>()", "kernels", "random_planes*", KERNELS),
+        ("AVX-512: areas not rounded", "hal/kernels/avx512/columns.hpp", "keep(b.area_log2, level_term16(level));", "keep(b.area_log2, level);", "kernels", "random_planes*", KERNELS),
         ("AVX-512: halves always up", "hal/kernels/avx512/filters.hpp", "_mm512_and_si512(x, one), one); }", "one, one); }", "kernels", "random_planes*", KERNELS),
     ]
 

@@ -56,6 +56,9 @@ constexpr int width = 8;
 namespace by_blocks {
 
 #include "avx512/lanes.hpp"
+#include "avx512/log2.hpp"
+#include "avx512/batch.hpp"
+#include "avx512/columns.hpp"
 #include "avx512/plan.hpp"
 #include "avx512/positions.hpp"
 #include "avx512/levels.hpp"
@@ -109,7 +112,7 @@ SPANTEX_INLINE void draw_batch_on_levels(const row_work& work, const batch& b, u
   constexpr bool two = Kind == filter::trilinear;
   const planar_map& map = *work.texels;
   level_span of[batch_size];
-  const auto each = [](uint32_t some, auto&& step) __attribute__((always_inline)) {
+  const auto each = [](uint32_t some, auto&& step) SPANTEX_INLINED {
     for (int k = 0; k < batch_size; ++k)
       if (some >> k & 1) step(k);
   };
@@ -124,7 +127,7 @@ SPANTEX_INLINE void draw_batch_on_levels(const row_work& work, const batch& b, u
       levels_of(work, of[k].lengths, b.slope_log2[k], o.e, of[k].level);
   });
   next.part(1);
-  if (map.exact()) [[likely]] each(spans, [&](int k) SPANTEX_INLINED { place<two>(map, work.last_level, b.base_u[k], b.base_v[k], of[k]); });
+  if (map.exact()) [[likely]] each(spans, [&](int k) SPANTEX_INLINED { place_span<two>(work, b, k, of[k]); });
   next.part(2);
   each(spans, [&](int k) SPANTEX_INLINED {
     const bool drawn = map.exact() ? blend_span<two, Channels>(work, b, k, of[k]) : draw_anywhere<two>(work, b, k, of[k]);

@@ -1,19 +1,48 @@
 // SPDX-License-Identifier: Apache-2.0
-// AVX-512 kernel: filter aniso (footprint.hpp) where no pixel of a span has more than one sample, which is trilinear then; the others are left. Included by
-// ../avx512.cpp alone. The axis of a span is the scalar engine's own.
+// AVX-512 kernel: filter aniso, rows of trilinear samples along each pixel's image (footprint.hpp). Local memory holds what the samples of a quad's pixels
+// take together; rows of more than `most_samples` are too long for it as a rule, and left. Included by ../avx512.cpp alone.
 #pragma once
 
 static_assert(q.max_samples == 16 && q.sample_bias == -8, "finer() as in levels.hpp");
 
-// The least ratio of the axes, log2 in 2^-16, that takes two samples.
-constexpr int32_t least_ratio_of_two() {
-  int32_t one = 0, two = 4 << 16;
-  while (two - one > 1) {
-    const int32_t middle = (one + two) / 2;
-    ((exp2_16(middle) - (uint32_t(q.sample_slack) << 12) + 65535) >> 16 > 1 ? two : one) = middle;
+constexpr int most_samples = 4;
+
+// The least ratio of the axes, log2 in 2^-16, that takes so many samples.
+constexpr int32_t least_ratio_of(int samples) {
+  int32_t fewer = 0, as_many = 4 << 16;
+  while (as_many - fewer > 1) {
+    const int32_t middle = (fewer + as_many) / 2;
+    (int((exp2_16(middle) - (uint32_t(q.sample_slack) << 12) + 65535) >> 16) >= samples ? as_many : fewer) = middle;
   }
-  return two;
+  return as_many;
 }
+
+// By number of samples n: where the first two lie along a row, and the next two, from its middle, 2^-16 of its length: (n - 1) / 2n, (n - 3) / 2n, of
+// floor((2^16 + n) / 2n); ceil(2^18 / n).
+struct alignas(64) sample_tables {
+  int32_t from_middle[most_samples / 2][16], inverse[16];
+  constexpr sample_tables() : from_middle(), inverse() {
+    for (int n = 1; n <= most_samples; ++n) {
+      for (int k = 0; k < most_samples / 2; ++k) from_middle[k][n] = max_of(n - 1 - 2 * k, 0) * ((65536 + n) / (2 * n));
+      inverse[n] = ((1 << 18) + n - 1) / n;
+    }
+  }
+};
+constexpr sample_tables of_samples{};
+SPANTEX_INLINE v16 look_up(const int32_t (&table)[16], v16 k) { return _mm512_permutexvar_epi32(k, _mm512_load_si512(table)); }
+
+// A span's rows: positions are whole ones, s15.16, and so is how far samples 2 k and 2 k + 1 lie to either side.
+struct row_span : level_span {
+  v16 samples[quads];
+  v16 along_u[most_samples / 2][quads], along_v[most_samples / 2][quads];
+  int most;  // samples
+
+  SPANTEX_INLINE texels16 sample(int n, int k) const {
+    const v16 du = along_u[k / 2][n], dv = along_v[k / 2][n];
+    if (k & 1) return {_mm512_add_epi32(u[n], du), _mm512_add_epi32(v[n], dv)};
+    return {_mm512_sub_epi32(u[n], du), _mm512_sub_epi32(v[n], dv)};
+  }
+};
 
 // axis_log2().
 SPANTEX_INLINE v16 axis_log2_16(v16 u, v16 v, int exponent) {
@@ -26,34 +55,176 @@ SPANTEX_INLINE v16 axis_log2_16(v16 u, v16 v, int exponent) {
   return _mm512_mask_mov_epi32(length, _mm512_cmpeq_epi32_mask(zeros, of32<64>()), of32<-32 * 65536>());
 }
 
-// Levels of shape_of() a quad's pixels; false if one of them has more samples than one.
-SPANTEX_INLINE bool levels_of_shapes(const axis_terms& axis, v16 nu, v16 nv, v16 e, bool flat, int32_t last_level, v16& level) {
+// shape_of() a quad's pixels: levels, and log2 of the ratio of the axes.
+SPANTEX_INLINE void shapes_of(v16 nu, v16 nv, v16 e, int exponent, int32_t area_log2, bool flat, int32_t last_level, v16& level, v16& ratio) {
   const v16 zero = _mm512_setzero_si512(), log_w = flat ? zero : _mm512_sub_epi32(log2_of(_mm512_add_epi32(e, of32<1 << 30>())), of32<30 << 16>());
-  const v16 length = axis_log2_16(nu, nv, axis.exponent), major = _mm512_sub_epi32(length, _mm512_slli_epi32(log_w, 1));
+  const v16 length = axis_log2_16(nu, nv, exponent), major = _mm512_sub_epi32(length, _mm512_slli_epi32(log_w, 1));
   constexpr int32_t bias = q.sample_bias * (1 << 12);
-  const v16 area = set32(axis.area_log2 * (1 << (16 - level_term_bits)));
-  const v16 stretch = _mm512_sub_epi32(_mm512_sub_epi32(_mm512_slli_epi32(length, 1), area), log_w);
-  const v16 ratio = _mm512_max_epi32(_mm512_min_epi32(stretch, _mm512_sub_epi32(major, of32<bias>())), zero);
+  const v16 stretch = _mm512_sub_epi32(_mm512_sub_epi32(_mm512_slli_epi32(length, 1), set32(area_log2)), log_w);
+  ratio = _mm512_max_epi32(_mm512_min_epi32(_mm512_min_epi32(stretch, _mm512_sub_epi32(major, of32<bias>())), of32<4 << 16>()), zero);
   level = detail_of(_mm512_sub_epi32(major, ratio), set32(last_level << q.level_bits));
-  return _mm512_cmpge_epi32_mask(ratio, of32<least_ratio_of_two()>()) == 0;
+}
+
+SPANTEX_INLINE v16 samples_of(v16 ratio) {
+  v16 n = of32<1>();
+  n = _mm512_mask_add_epi32(n, _mm512_cmpge_epi32_mask(ratio, of32<least_ratio_of(2)>()), n, of32<1>());
+  n = _mm512_mask_add_epi32(n, _mm512_cmpge_epi32_mask(ratio, of32<least_ratio_of(3)>()), n, of32<1>());
+  return _mm512_mask_add_epi32(n, _mm512_cmpge_epi32_mask(ratio, of32<least_ratio_of(4)>()), n, of32<1>());
+}
+
+// A number of 32 bits in each lane, as even and odd lanes of 64.
+struct halves16 { v8 even, odd; };
+
+// |n| / w^2 in 2^-16 texels: both products rounded, then the scale (axis_at()). |n| is at most 2^30 and 1/w below 2, so that products fit 32 bits again.
+SPANTEX_INLINE halves16 over_square(v16 n, const reciprocals16& r, int drop) {
+  const v16 m = _mm512_abs_epi32(n);
+  const v8 half = of64<1 << (q.reciprocal_bits - 1)>(), half_scale = set(int64_t(1) << (drop - 1));
+  const auto one = [&](v8 x, v8 y) {
+    x = _mm512_srli_epi64(_mm512_add_epi64(_mm512_mul_epu32(x, y), half), q.reciprocal_bits);
+    x = _mm512_srli_epi64(_mm512_add_epi64(_mm512_mul_epu32(x, y), half), q.reciprocal_bits);
+    return _mm512_srl_epi64(_mm512_add_epi64(x, half_scale), _mm_cvtsi32_si128(drop));
+  };
+  return {one(m, r.even), one(_mm512_srli_epi64(m, 32), r.odd)};
+}
+
+// sample_offset(): length m 2^-16, symmetric; the sign is n's.
+SPANTEX_INLINE v16 along16(const halves16& length, v16 m, v16 n) {
+  const v8 half = of64<0x8000>();
+  const v8 even = _mm512_srli_epi64(_mm512_add_epi64(_mm512_mul_epu32(length.even, m), half), 16);
+  const v8 odd = _mm512_slli_epi64(_mm512_add_epi64(_mm512_mul_epu32(length.odd, _mm512_srli_epi64(m, 32)), half), 16);
+  const v16 all = _mm512_mask_mov_epi32(even, 0xAAAA, odd);
+  return _mm512_mask_sub_epi32(all, _mm512_movepi32_mask(n), _mm512_setzero_si512(), all);
+}
+
+// mean() of sums with 16 bits of fraction over n samples, halves to even; in bits 16 to 23.
+SPANTEX_INLINE v16 mean16(v16 sum, v16 n, v16 inverse) {
+  const v16 t = _mm512_add_epi32(sum, _mm512_slli_epi32(n, 15)), whole = _mm512_srli_epi32(_mm512_mullo_epi32(_mm512_srli_epi32(t, 16), inverse), 18);
+  const __mmask16 tie = _mm512_cmpeq_epi32_mask(_mm512_slli_epi32(_mm512_mullo_epi32(whole, n), 16), t);
+  return _mm512_slli_epi32(_mm512_mask_andnot_epi32(whole, tie, of32<1>(), whole), 16);
+}
+
+template <int Channels>
+SPANTEX_INLINE v16 mean_of(const colouring& as, const row_span& s, int n, v16 (&sum)[Channels]) {
+  const v16 inverse = look_up(of_samples.inverse, s.samples[n]);
+#pragma GCC unroll 4
+  for (int m = 0; m < Channels; ++m) sum[m] = mean16(sum[m], s.samples[n], inverse);
+  return as.packed(sum);
+}
+
+// How a span's quads are drawn.
+template <taken Levels, int Channels, bool Wide>
+struct row_blender {
+  const uint8_t* blocks;
+  sampling<up_between> from;
+  colouring as;
+  v16 rounding;
+
+  SPANTEX_INLINE explicit row_blender(const uint8_t* of) : blocks(of), rounding(rounding_of<true>()) {}
+
+  SPANTEX_INLINE v16 operator()(const row_span& s, int n) const {
+    v16 sum[Channels] = {};
+    const v16 weights = as.level_weights(s.level[n]);
+#pragma GCC unroll 1
+    for (int k = 0; k < s.most; ++k) {
+      const texels16 at = s.sample(n, k);
+      v16 fine[Channels], coarse[Channels];
+      blended16<Wide>(section_of<Wide>(blocks, s.fine, n), samples16(from, s.at.at(from, at.u, at.v, n)), rounding, fine);
+      if constexpr (Levels == taken::all) {
+        asm volatile("" ::: "memory");
+        blended16<false>(section_of<false>(blocks, s.coarse, n), samples16(from, s.at.at(from, at.u, at.v, n + quads)), rounding, coarse);
+      }
+      const v16 counted = _mm512_maskz_mov_epi32(_mm512_cmpgt_epi32_mask(s.samples[n], set32(k)), weights);
+#pragma GCC unroll 4
+      for (int m = 0; m < Channels; ++m) sum[m] = as.summed(sum[m], fine[m], Levels == taken::all ? coarse[m] : fine[m], counted);  // of one level, the other weight is 0
+    }
+    return mean_of(as, s, n, sum);
+  }
+};
+
+// A quad that spreads too far. False where the map has no blocks.
+template <int Channels>
+[[gnu::noinline]] bool spread_rows(const planar_map& map, int32_t last_level, const row_span& s, int n, v16& out) {
+  const v16 fine_level = _mm512_srli_epi32(s.level[n], 8), coarse_level = _mm512_min_epi32(_mm512_add_epi32(fine_level, of32<1>()), set32(last_level));
+  const colouring as;
+  const v16 weights = as.level_weights(s.level[n]);
+  const __mmask16 between = _mm512_test_epi32_mask(s.level[n], of32<255>());
+  v16 sum[Channels] = {}, fine[Channels] = {}, coarse[Channels] = {};
+#pragma GCC unroll 1
+  for (int k = 0; k < s.most; ++k) {
+    const __mmask16 lanes = _mm512_cmpgt_epi32_mask(s.samples[n], set32(k)), both = __mmask16(lanes & between);
+    const texels16 at = s.sample(n, k);
+    if (!blend_anywhere<up_between>(map, on_levels(map, at, fine_level), fine_level, lanes, 1 << 7, fine)) return false;
+    if (both != 0 && !blend_anywhere<up_between>(map, on_levels(map, at, coarse_level), coarse_level, both, 1 << 7, coarse)) return false;
+    const v16 counted = _mm512_maskz_mov_epi32(lanes, weights);
+#pragma GCC unroll 4
+    for (int m = 0; m < Channels; ++m) sum[m] = as.summed(sum[m], fine[m], coarse[m], counted);
+  }
+  out = mean_of(as, s, n, sum);
+  return true;
+}
+
+template <taken Levels, int Channels, bool Wide>
+SPANTEX_INLINE bool blend_rows(const row_work& work, const batch& b, int k, const row_span& s) {
+  return blend_span<row_blender<Levels, Channels, Wide>>(work, b, k, s, [&](int n, v16& out) SPANTEX_INLINED { return spread_rows<Channels>(*work.texels, work.last_level, s, n, out); });
+}
+
+// Rows of pixels whose shapes are known; nu, nv: J times the major axis' direction. False where they are too long.
+template <int Channels>
+SPANTEX_INLINE bool draw_rows(const row_work& work, const batch& b, int k, const offsets& o, const v16 (&nu)[quads], const v16 (&nv)[quads], row_span& s) {
+  constexpr int32_t longest = longest_row << 15;  // half of it
+  const int drop = b.axis_exponent[k] - 17;
+  if (drop <= 0 || !work.texels->exact()) return false;
+  const bool affine = b.terms[k] == 0;
+  v16 far_u[quads], far_v[quads];
+  __mmask16 beyond = 0;
+#pragma GCC unroll 1
+  for (int n = 0; n < quads; ++n) {
+    const v8 one = of64<int64_t(1) << q.reciprocal_bits>();
+    const reciprocals16 r = affine ? reciprocals16{one, one} : reciprocal16(o.e[n]);
+    const halves16 u = over_square(nu[n], r, drop), v = over_square(nv[n], r, drop);
+    for (int at = 0; 2 * at < s.most; ++at) {
+      const v16 m = look_up(of_samples.from_middle[at], s.samples[n]);
+      s.along_u[at][n] = along16(u, m, nu[n]);
+      s.along_v[at][n] = along16(v, m, nv[n]);
+    }
+    far_u[n] = _mm512_abs_epi32(s.along_u[0][n]);
+    far_v[n] = _mm512_abs_epi32(s.along_v[0][n]);
+    beyond |= _mm512_cmpgt_epu32_mask(_mm512_or_si512(far_u[n], far_v[n]), of32<longest - 1>());
+    const texels16 p = texels_of(positions_of(b, k, o, n));
+    s.u[n] = p.u;
+    s.v[n] = p.v;
+  }
+  if (beyond != 0) return false;
+  s.bits = 16;
+  s.half = 0;
+  const v16 aside = _mm512_mask_mov_epi32(of_each_quad<larger>(far_u), 0xF0F0, of_each_quad<larger>(far_v)), middle = reach_of(s.u, s.v, 16, 0, 0);
+  place<true>(*work.texels, work.last_level, 0, 0, _mm512_mask_add_epi32(_mm512_sub_epi32(middle, aside), 0xFF00, middle, aside), s);
+  if (s.crossing) return false;
+  if (s.one_level) return s.wide ? blend_rows<taken::one, Channels, true>(work, b, k, s) : blend_rows<taken::one, Channels, false>(work, b, k, s);
+  return s.wide ? blend_rows<taken::all, Channels, true>(work, b, k, s) : blend_rows<taken::all, Channels, false>(work, b, k, s);
 }
 
 template <int Channels>
 SPANTEX_INLINE bool draw_aniso(const row_work& work, const batch& b, int k) {
-  span_coefficients c{};
-  c.c_u = b.c_u[k]; c.a_u = b.a_u[k]; c.b_u = b.b_u[k];
-  c.c_v = b.c_v[k]; c.a_v = b.a_v[k]; c.b_v = b.b_v[k];
-  c.g = b.g[k]; c.h = b.h[k];
-  c.exponent = int8_t(b.exponent[k]);
-  span_axis(q, c);
-  level_span span;
+  const bool flat = (b.g[k] | b.h[k]) == 0;
+  row_span span;
   offsets o = offsets_of(b, k);
-  v16 nu[quads], nv[quads];
-  forms(set32(c.axis.c_u), c.axis.a_u, c.axis.b_u, nu);
-  forms(set32(c.axis.c_v), c.axis.a_v, c.axis.b_v, nv);
+  v16 nu[quads], nv[quads], longest = _mm512_setzero_si512();
+  forms(set32(b.axis_c_u[k]), b.axis_a_u[k], b.axis_b_u[k], nu);
+  forms(set32(b.axis_c_v[k]), b.axis_a_v[k], b.axis_b_v[k], nv);
 #pragma GCC unroll 4
-  for (int n = 0; n < quads; ++n)
-    if (!levels_of_shapes(c.axis, nu[n], nv[n], o.e[n], (c.g | c.h) == 0, work.last_level, span.level[n])) return false;
-  take(o, span);
-  return draw_at_levels<true, Channels>(work, b, k, span);
+  for (int n = 0; n < quads; ++n) {
+    v16 ratio;
+    shapes_of(nu[n], nv[n], o.e[n], b.axis_exponent[k], b.area_log2[k], flat, work.last_level, span.level[n], ratio);
+    span.samples[n] = samples_of(ratio);
+    longest = _mm512_max_epi32(longest, ratio);
+  }
+  const auto some_take = [&](v16 ratio) { return _mm512_cmpge_epi32_mask(longest, ratio) != 0; };
+  if (some_take(of32<least_ratio_of(most_samples + 1)>())) return false;
+  if (!some_take(of32<least_ratio_of(2)>())) {
+    take(o, span);
+    return draw_at_levels<true, Channels>(work, b, k, span);
+  }
+  span.most = some_take(of32<least_ratio_of(4)>()) ? 4 : some_take(of32<least_ratio_of(3)>()) ? 3 : 2;
+  return draw_rows<Channels>(work, b, k, o, nu, nv, span);
 }

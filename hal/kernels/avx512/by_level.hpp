@@ -44,25 +44,28 @@ SPANTEX_INLINE v16 of_quads(const v16 (&x)[quads]) {
   return _mm512_unpacklo_epi64(_mm512_permutex2var_epi32(x[0], first, x[1]), _mm512_permutex2var_epi32(x[2], first, x[3]));
 }
 
-// The least of each quad's lanes, four times over.
-SPANTEX_INLINE v16 least_of_quads(const v16 (&x)[quads]) {
-  const auto two = [](v16 a, v16 b) { return _mm512_min_epi32(_mm512_unpacklo_epi32(a, b), _mm512_unpackhi_epi32(a, b)); };
-  const v16 left = two(x[0], x[1]), right = two(x[2], x[3]), rows = _mm512_min_epi32(_mm512_unpacklo_epi64(left, right), _mm512_unpackhi_epi64(left, right));
-  const v16 pairs = _mm512_min_epi32(rows, _mm512_shuffle_i32x4(rows, rows, 0x4E));
-  return _mm512_min_epi32(pairs, _mm512_shuffle_i32x4(pairs, pairs, 0xB1));
+// Of each quad's lanes, four times over.
+constexpr auto smaller = [](v16 a, v16 b) SPANTEX_INLINED { return _mm512_min_epi32(a, b); };
+constexpr auto larger = [](v16 a, v16 b) SPANTEX_INLINED { return _mm512_max_epi32(a, b); };
+template <auto Of>
+SPANTEX_INLINE v16 of_each_quad(const v16 (&x)[quads]) {
+  const auto two = [](v16 a, v16 b) SPANTEX_INLINED { return Of(_mm512_unpacklo_epi32(a, b), _mm512_unpackhi_epi32(a, b)); };
+  const v16 left = two(x[0], x[1]), right = two(x[2], x[3]), rows = Of(_mm512_unpacklo_epi64(left, right), _mm512_unpackhi_epi64(left, right));
+  const v16 pairs = Of(rows, _mm512_shuffle_i32x4(rows, rows, 0x4E));
+  return Of(pairs, _mm512_shuffle_i32x4(pairs, pairs, 0xB1));
 }
 
 // Where the levels of a span's quads lie in the map. `crossing`: some quad's pixels have two whole levels.
 template <bool TwoLevels>
-SPANTEX_INLINE void place(const planar_map& map, int32_t last_level, int32_t base_u, int32_t base_v, level_span& s) {
-  const v16 reach = reach_of(s.u, s.v, s.bits, base_u, base_v), last = set32(last_level);
+SPANTEX_INLINE void place(const planar_map& map, int32_t last_level, int32_t base_u, int32_t base_v, v16 reach, level_span& s) {
+  const v16 last = set32(last_level);
   const v16 whole[quads] = {whole_of<TwoLevels>(s.level[0]), whole_of<TwoLevels>(s.level[1]), whole_of<TwoLevels>(s.level[2]), whole_of<TwoLevels>(s.level[3])};
   const auto first_of = [](v16 x) { return _mm512_broadcastd_epi32(_mm512_castsi512_si128(x)); };
   const auto differs = [&](int n) { return _mm512_cmpneq_epi32_mask(whole[n], first_of(whole[n])); };
   const auto further = [&](v16 level) { return _mm512_min_epi32(_mm512_add_epi32(level, of32<1>()), last); };
   v16 fine_level = of_quads(whole);
   s.crossing = (differs(0) | differs(1) | differs(2) | differs(3)) != 0;
-  if (s.crossing) [[unlikely]] fine_level = least_of_quads(whole);
+  if (s.crossing) [[unlikely]] fine_level = of_each_quad<smaller>(whole);
   const v16 coarse_level = further(fine_level);
   _mm_store_si128(reinterpret_cast<__m128i*>(s.first_level), _mm512_castsi512_si128(fine_level));
   shorten(last_level, s.u, s.v, s.bits, s.half);
@@ -84,6 +87,11 @@ SPANTEX_INLINE void place(const planar_map& map, int32_t last_level, int32_t bas
   }
   for (int n = 0; n < quads; ++n)
     if (_mm512_cmpgt_epi32_mask(whole[n], set32(s.first_level[n] + 1)) != 0) s.fit &= ~(1u << n);
+}
+
+template <bool TwoLevels>
+SPANTEX_INLINE void place_span(const row_work& work, const batch& b, int k, level_span& s) {
+  place<TwoLevels>(*work.texels, work.last_level, b.base_u[k], b.base_v[k], reach_of(s.u, s.v, s.bits, b.base_u[k], b.base_v[k]), s);
 }
 
 SPANTEX_INLINE positions positions_of(const batch& b, int k, const level_span& s, int n) { return {s.u[n], s.v[n], b.base_u[k], b.base_v[k], s.bits, s.half}; }
@@ -140,8 +148,8 @@ struct quad_blender {
 };
 
 // All of a span. No function is called here: it would take the constants out of their registers.
-template <class Blender>
-SPANTEX_INLINE void write_quads(const uint8_t* blocks, const level_span& s, rgba8* row, int64_t stride) {
+template <class Blender, class Span>
+SPANTEX_INLINE void write_quads(const uint8_t* blocks, const Span& s, rgba8* row, int64_t stride) {
   Blender blended(blocks);
 #pragma GCC unroll 1
   for (int n = 0; n < quads; n += 2, row += quad_side * stride) {
@@ -150,8 +158,8 @@ SPANTEX_INLINE void write_quads(const uint8_t* blocks, const level_span& s, rgba
   }
 }
 
-template <class Blender>
-SPANTEX_INLINE void blend_quads(const uint8_t* blocks, const level_span& s, uint32_t some, v16 (&out)[quads]) {
+template <class Blender, class Span>
+SPANTEX_INLINE void blend_quads(const uint8_t* blocks, const Span& s, uint32_t some, v16 (&out)[quads]) {
   Blender blended(blocks);
 #pragma GCC unroll 1
   for (int n = 0; n < quads; ++n)
@@ -181,29 +189,32 @@ SPANTEX_INLINE uint32_t quads_of(span_mask mask) {
   return in;
 }
 
-template <bool TwoLevels, taken Levels, int Channels, bool Wide>
-SPANTEX_INLINE bool blend_span(const row_work& work, const batch& b, int k, const level_span& s) {
+// spread(n, out): a quad whose sections are not here.
+template <class Blender, class Span, class Spread>
+SPANTEX_INLINE bool blend_span(const row_work& work, const batch& b, int k, const Span& s, Spread spread) {
   const span_mask mask = work.masks[b.first + k];
-  const planar_map& map = *work.texels;
-  using blender = quad_blender<TwoLevels, Levels, Channels, Wide>;
+  const uint8_t* const blocks = work.texels->blocks();
   if (mask == ~span_mask(0) && s.fit == 0xF) [[likely]] {
-    write_quads<blender>(map.blocks(), s, first_of_span(work, b.sx + k), work.stride);
+    write_quads<Blender>(blocks, s, first_of_span(work, b.sx + k), work.stride);
     return true;
   }
-  const uint32_t wanted = quads_of(mask), spread = wanted & ~s.fit;
+  const uint32_t wanted = quads_of(mask), far = wanted & ~s.fit;
   v16 out[quads];
-  if ((wanted & s.fit) != 0) blend_quads<blender>(map.blocks(), s, wanted & s.fit, out);
-  for (int n = 0; spread >> n != 0; ++n)
-    if ((spread >> n & 1) && !spread_quad<TwoLevels, Levels, Channels>(map, work.last_level, positions_of(b, k, s, n), s, n, out[n])) return false;
+  if ((wanted & s.fit) != 0) blend_quads<Blender>(blocks, s, wanted & s.fit, out);
+  for (int n = 0; far >> n != 0; ++n)
+    if ((far >> n & 1) && !spread(n, out[n])) return false;
   write(work, b.sx + k, mask, out);
   return true;
 }
 
 template <bool TwoLevels, int Channels>
 SPANTEX_INLINE bool blend_span(const row_work& work, const batch& b, int k, const level_span& s) {
-  const auto by_width = [&]<taken Levels>() __attribute__((always_inline)) {
-    return s.wide ? blend_span<TwoLevels, Levels, Channels, true>(work, b, k, s) : blend_span<TwoLevels, Levels, Channels, false>(work, b, k, s);
+  const auto blended = [&]<taken Levels, bool Wide>() SPANTEX_INLINED {
+    return blend_span<quad_blender<TwoLevels, Levels, Channels, Wide>>(work, b, k, s, [&](int n, v16& out) SPANTEX_INLINED {
+      return spread_quad<TwoLevels, Levels, Channels>(*work.texels, work.last_level, positions_of(b, k, s, n), s, n, out);
+    });
   };
+  const auto by_width = [&]<taken Levels>() SPANTEX_INLINED { return s.wide ? blended.template operator()<Levels, true>() : blended.template operator()<Levels, false>(); };
   if (s.crossing) [[unlikely]] return by_width.template operator()<taken::more>();
   return s.one_level ? by_width.template operator()<taken::one>() : by_width.template operator()<taken::all>();
 }
@@ -228,6 +239,6 @@ template <bool TwoLevels>
 template <bool TwoLevels, int Channels>
 SPANTEX_INLINE bool draw_at_levels(const row_work& work, const batch& b, int k, level_span& s) {
   if (!work.texels->exact()) [[unlikely]] return draw_anywhere<TwoLevels>(work, b, k, s);
-  place<TwoLevels>(*work.texels, work.last_level, b.base_u[k], b.base_v[k], s);
+  place_span<TwoLevels>(work, b, k, s);
   return blend_span<TwoLevels, Channels>(work, b, k, s);
 }

@@ -119,10 +119,11 @@ struct colouring {
   // Weights of two levels from the lowest 8 bits: 512 - 2 f, 2 f of 512.
   SPANTEX_INLINE v16 level_weights(v16 level) const { return _mm512_add_epi16(_mm512_mullo_epi16(_mm512_shuffle_epi8(level, level_words), level_signs), level_all); }
 
-  // Two levels, each with 15 bits of fraction and 2^7 added: rounded to 7 bits, then interpolated and written out.
-  SPANTEX_INLINE v16 between_levels(v16 fine, v16 coarse, v16 weights) const {
-    return even(_mm512_dpwssd_epi32(half, _mm512_permutex2var_epi8(fine, pairs, coarse), weights));
-  }
+  // Two levels, each with 15 bits of fraction and 2^7 added: rounded to 7 bits, then interpolated and added to a sum, 16 bits of fraction.
+  SPANTEX_INLINE v16 summed(v16 sum, v16 fine, v16 coarse, v16 weights) const { return _mm512_dpwssd_epi32(sum, _mm512_permutex2var_epi8(fine, pairs, coarse), weights); }
+
+  // The same written out.
+  SPANTEX_INLINE v16 between_levels(v16 fine, v16 coarse, v16 weights) const { return even(summed(half, fine, coarse, weights)); }
 
   // The same where the coarse level has no weight.
   SPANTEX_INLINE v16 on_one_level(v16 fine) const { return even(_mm512_add_epi32(_mm512_slli_epi32(_mm512_srli_epi32(fine, 8), 9), half)); }

@@ -2,35 +2,6 @@
 // AVX-512 kernel: levels of detail of a span's pixels. Included by ../avx512.cpp alone.
 #pragma once
 
-// log2 between two knots, as differences.
-struct alignas(64) knot_table {
-  uint16_t knot[64], step[64];
-  constexpr knot_table() : knot(), step() {
-    for (int k = 0; k < 64; ++k) {
-      knot[k] = log2_knots.knot[k];
-      step[k] = uint16_t((k == 63 ? 65536u : log2_knots.knot[k + 1]) - log2_knots.knot[k]);
-    }
-  }
-};
-constexpr knot_table knots{};
-
-SPANTEX_INLINE v16 look_up(const uint16_t* table, v16 k) {
-  return _mm512_permutex2var_epi16(_mm512_load_si512(table), k, _mm512_load_si512(table + 32));
-}
-
-// log2_16() of numbers whose uppermost 32 bits, from their first one on, are given, and what their whole part is.
-SPANTEX_INLINE v16 log2_of_bits(v16 bits, v16 whole) {
-  const v16 f = _mm512_srli_epi32(bits, 9), k = _mm512_and_si512(_mm512_srli_epi32(f, 16), of32<63>()), word = of32<0xFFFF>(), t = _mm512_and_si512(f, word);
-  const v16 low = _mm512_and_si512(look_up(knots.knot, k), word), step = _mm512_and_si512(look_up(knots.step, k), word);
-  const v16 part = _mm512_srli_epi32(_mm512_add_epi32(_mm512_mullo_epi32(step, t), of32<0x8000>()), 16);
-  return _mm512_add_epi32(_mm512_slli_epi32(whole, 16), _mm512_add_epi32(low, part));
-}
-
-SPANTEX_INLINE v16 log2_of(v16 x) {
-  const v16 zeros = _mm512_lzcnt_epi32(x);
-  return log2_of_bits(_mm512_sllv_epi32(x, zeros), _mm512_sub_epi32(of32<31>(), zeros));
-}
-
 // log2_length() of the eight rows, then of the eight columns, s.16.
 SPANTEX_INLINE v16 lengths16(v8 row_u, v8 row_v, v8 column_u, v8 column_v, int exponent) {
   const auto square = [&](v8 u, v8 v) { return _mm512_add_epi64(_mm512_mullo_epi64(u, u), _mm512_mullo_epi64(v, v)); };
@@ -40,9 +11,7 @@ SPANTEX_INLINE v16 lengths16(v8 row_u, v8 row_v, v8 column_u, v8 column_v, int e
   const v16 bits = _mm512_permutex2var_epi32(_mm512_sllv_epi64(row, row_zeros), higher, _mm512_sllv_epi64(column, column_zeros));
   const v16 zeros = _mm512_permutex2var_epi32(row_zeros, lower, column_zeros);
   const v16 level = _mm512_add_epi32(_mm512_srli_epi32(log2_of_bits(bits, _mm512_sub_epi32(of32<63>(), zeros)), 1), set32((1 - exponent) * 65536));
-  const v16 term = _mm512_srai_epi32(_mm512_add_epi32(level, of32<32>()), 6);
-  const v16 held = _mm512_max_epi32(_mm512_min_epi32(term, of32<32767>()), of32<-32768>());
-  return _mm512_slli_epi32(_mm512_mask_mov_epi32(held, _mm512_cmpeq_epi32_mask(zeros, of32<64>()), of32<-32768>()), 6);
+  return level_term16(_mm512_mask_mov_epi32(level, _mm512_cmpeq_epi32_mask(zeros, of32<64>()), of32<-32 * 65536>()));
 }
 
 // Of the span's rows and columns.

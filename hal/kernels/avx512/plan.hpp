@@ -3,34 +3,6 @@
 // A plan is a long chain of dependent operations: it is made in three parts between the spans of the batch before, whose pixels fill the gaps.
 #pragma once
 
-// What a batch of spans needs below the planner: span_coefficients of eight spans, side by side.
-struct alignas(64) batch {
-  int32_t c_u[batch_size], a_u[batch_size], b_u[batch_size], c_v[batch_size], a_v[batch_size], b_v[batch_size];
-  int32_t g[batch_size], h[batch_size];
-  int32_t base_u[batch_size], base_v[batch_size];       // modulo the map's period
-  int32_t exponent[batch_size], slope_log2[batch_size];
-  int32_t terms[batch_size];                             // 0: affine, 1..4: series, 5: divide
-  // Level 0, of spans that are flat enough to tell without their pixels: where the quads' sections lie.
-  int32_t at[2][2][quads][batch_size], column[quads][batch_size];                 // bilinear: quad_section
-  alignas(64) int32_t low[quads][2][batch_size], high[quads][2][batch_size];      // bilinear: u and v of every position, s15.16
-  int32_t row_at[quads][batch_size];                                              // nearest: the section's first texel in the rows of the map
-  alignas(64) int32_t from[quads][2][batch_size];                                 // nearest: from it to the base texel, u and v
-  alignas(64) int64_t u_x[batch_size], v_x[batch_size], u_y[batch_size], v_y[batch_size], twist_u[batch_size], twist_v[batch_size];  // level.hpp: span_levels()
-  int32_t sx, first;                                     // the first span: on the screen, and of the row's work
-  uint32_t usable;                                       // bit k: span k is in here
-  uint32_t flat;                                         // bit k: low and high are known
-  uint32_t magnified;                                    // bit k: every pixel's level of detail is 0
-  uint32_t placed, wide;                                 // bit k: its sections are known; one of them is more than 8 texels across
-};
-constexpr int divide_terms = 5;
-
-// What one part of a plan leaves to the next.
-struct setup {
-  v8 w, nu, nv, w_bits, base_u, base_v, g, h, extent_log2, exponent;
-  inverse8 inverse;
-  __mmask8 usable;
-};
-
 SPANTEX_INLINE v8 modulo(v8 base, int32_t period) {
   if (period == 0) return base;
   if ((period & (period - 1)) == 0) return _mm512_and_si512(base, set(period - 1));
@@ -176,29 +148,6 @@ SPANTEX_INLINE void plan_mantissas(const row_work& work, setup& s, batch& b) {
   s.usable &= _mm512_cmplt_epi64_mask(bits, s.w_bits);
 }
 
-// level.hpp: span_levels(). A span is known to be magnified if no row or column is longer than half a texel a pixel on either axis and |1 - w| < 2^-4: lengths
-// are then below sqrt(2) / 2 (16 / 15)^2 = 0.81, which is 0.3 of a level less than what rounds to 0.
-SPANTEX_INLINE void plan_levels(const setup& s, v8 slope_log2, batch& b) {
-  const auto product = [&](v8 x, v8 slope) {  // times_slope()
-    const v8 p30 = _mm512_mul_epi32(x, slope), m = _mm512_srli_epi64(_mm512_add_epi64(_mm512_abs_epi64(p30), of64<1 << 29>()), 30);
-    return _mm512_mask_sub_epi64(m, _mm512_movepi64_mask(p30), _mm512_setzero_si512(), m);
-  };
-  const auto wide = [&](const int32_t (&x)[batch_size]) { return _mm512_cvtepi32_epi64(got(x)); };
-  const v8 cu = wide(b.c_u), cv = wide(b.c_v), au = wide(b.a_u), av = wide(b.a_v), bu = wide(b.b_u), bv = wide(b.b_v);
-  const v8 u_x = _mm512_sub_epi64(au, product(cu, s.g)), v_x = _mm512_sub_epi64(av, product(cv, s.g));
-  const v8 u_y = _mm512_sub_epi64(bu, product(cu, s.h)), v_y = _mm512_sub_epi64(bv, product(cv, s.h));
-  const v8 twist_u = _mm512_sub_epi64(product(au, s.h), product(bu, s.g)), twist_v = _mm512_sub_epi64(product(av, s.h), product(bv, s.g));
-  _mm512_store_si512(b.u_x, u_x);
-  _mm512_store_si512(b.v_x, v_x);
-  _mm512_store_si512(b.u_y, u_y);
-  _mm512_store_si512(b.v_y, v_y);
-  _mm512_store_si512(b.twist_u, twist_u);
-  _mm512_store_si512(b.twist_v, twist_v);
-  const auto most = [](v8 x, v8 y, v8 twist) { return _mm512_add_epi64(_mm512_max_epi64(_mm512_abs_epi64(x), _mm512_abs_epi64(y)), times7(_mm512_abs_epi64(twist))); };
-  const v8 longest = _mm512_max_epi64(most(u_x, u_y, twist_u), most(v_x, v_y, twist_v)), quarter = _mm512_sllv_epi64(set(1), _mm512_sub_epi64(s.exponent, set(2)));  // steps are half pixels
-  b.magnified = _mm512_cmple_epi64_mask(longest, quarter) & _mm512_cmple_epi64_mask(slope_log2, set(-4));
-}
-
 // choose_evaluation(), and what the filter needs to know before it sees a span's pixels.
 template <filter Kind>
 SPANTEX_INLINE void plan_evaluation(const row_work& work, const setup& s, batch& b) {
@@ -220,7 +169,7 @@ SPANTEX_INLINE void plan_evaluation(const row_work& work, const setup& s, batch&
   keep(b.terms, _mm512_mask_mov_epi64(terms, affine, _mm512_setzero_si512()));
   b.usable = s.usable;
   if constexpr (uses_footprint(Kind)) {
-    return;
+    plan_axes(s, b);
   } else if constexpr (uses_levels(Kind)) {
     plan_levels(s, slope_log2, b);
   } else {

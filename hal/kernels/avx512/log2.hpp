@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+// AVX-512 kernel: log2 in 32-bit lanes. Included by ../avx512.cpp alone.
+#pragma once
+
+// log2 between two knots, as differences.
+struct alignas(64) knot_table {
+  uint16_t knot[64], step[64];
+  constexpr knot_table() : knot(), step() {
+    for (int k = 0; k < 64; ++k) {
+      knot[k] = log2_knots.knot[k];
+      step[k] = uint16_t((k == 63 ? 65536u : log2_knots.knot[k + 1]) - log2_knots.knot[k]);
+    }
+  }
+};
+constexpr knot_table knots{};
+
+SPANTEX_INLINE v16 look_up(const uint16_t* table, v16 k) {
+  return _mm512_permutex2var_epi16(_mm512_load_si512(table), k, _mm512_load_si512(table + 32));
+}
+
+// log2_16() of numbers whose uppermost 32 bits, from their first one on, are given, and what their whole part is.
+SPANTEX_INLINE v16 log2_of_bits(v16 bits, v16 whole) {
+  const v16 f = _mm512_srli_epi32(bits, 9), k = _mm512_and_si512(_mm512_srli_epi32(f, 16), of32<63>()), word = of32<0xFFFF>(), t = _mm512_and_si512(f, word);
+  const v16 low = _mm512_and_si512(look_up(knots.knot, k), word), step = _mm512_and_si512(look_up(knots.step, k), word);
+  const v16 part = _mm512_srli_epi32(_mm512_add_epi32(_mm512_mullo_epi32(step, t), of32<0x8000>()), 16);
+  return _mm512_add_epi32(_mm512_slli_epi32(whole, 16), _mm512_add_epi32(low, part));
+}
+
+SPANTEX_INLINE v16 log2_of(v16 x) {
+  const v16 zeros = _mm512_lzcnt_epi32(x);
+  return log2_of_bits(_mm512_sllv_epi32(x, zeros), _mm512_sub_epi32(of32<31>(), zeros));
+}
+
+// level.hpp: level_term(), in 2^-16.
+SPANTEX_INLINE v16 level_term16(v16 level) {
+  const v16 term = _mm512_srai_epi32(_mm512_add_epi32(level, of32<32>()), 6);
+  return _mm512_slli_epi32(_mm512_max_epi32(_mm512_min_epi32(term, of32<32767>()), of32<-32768>()), 6);
+}
