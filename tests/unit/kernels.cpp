@@ -136,6 +136,16 @@ SPANTEX_CASE(positions_next_to_the_end_of_the_range) {
   }
 }
 
+// Samples next to the end of the range, on levels whose half texel lies beyond it.
+SPANTEX_CASE(samples_next_to_the_end_of_the_range) {
+  synthetic_map map = make_map(4096, 1024, [](int32_t x, int32_t) { return x < 2048 ? rgba8{0, 0, 0, 255} : rgba8{255, 255, 255, 255}; });
+  map.levels.resize(11);
+  const ready_map clamped(map, wrap::clamp);
+  for (const auto& m : {in_65536ths({32608857, -101875900, -1266239092, -56583880, 7091680, 263504800, -2189, 6764, 47236}),
+                        in_65536ths({48111024, -92501584, -1365745024, -60009856, 5960320, 281734144, -2928, 6288, 52096})})
+    draw_all(m, clamped, filter::aniso, {0, 0, 8, 8}, 8, 8);
+}
+
 // W that is a little less than at the span's centre, so that its reciprocal is next to the end of its range, on spans steep enough to be divided: W falls
 // along x as it rises along y, but for 2^-14 to 2^-20 of it a pixel.
 SPANTEX_CASE(reciprocals_just_above_one) {
@@ -223,6 +233,7 @@ int main() {
       cmocka_unit_test(rows_beyond_a_period),
       cmocka_unit_test(texels_after_the_division),
       cmocka_unit_test(positions_next_to_the_end_of_the_range),
+      cmocka_unit_test(samples_next_to_the_end_of_the_range),
       cmocka_unit_test(reciprocals_just_above_one),
       cmocka_unit_test(nothing_is_written_outside_the_area),
       cmocka_unit_test(polygons_with_depth_are_the_same),

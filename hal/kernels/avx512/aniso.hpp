@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // AVX-512 kernel: filter aniso, rows of trilinear samples along each pixel's image (footprint.hpp). Local memory holds what the samples of a quad's pixels
-// take together; rows of more than `most_samples` are too long for it as a rule, and left. Included by ../avx512.cpp alone.
+// take together; rows of more than `most_samples` are too long for it as a rule: a span with one is left. Included by ../avx512.cpp alone.
 #pragma once
 
 static_assert(q.max_samples == 16 && q.sample_bias == -8, "finer() as in levels.hpp");
@@ -31,16 +31,26 @@ struct alignas(64) sample_tables {
 constexpr sample_tables of_samples{};
 SPANTEX_INLINE v16 look_up(const int32_t (&table)[16], v16 k) { return _mm512_permutexvar_epi32(k, _mm512_load_si512(table)); }
 
-// A span's rows: positions are whole ones, s15.16, and so is how far samples 2 k and 2 k + 1 lie to either side.
+// A span's rows: positions include the base, s15.16 as well as how far samples 2 k and 2 k + 1 lie to either side.
 struct row_span : level_span {
   v16 samples[quads];
   v16 along_u[most_samples / 2][quads], along_v[most_samples / 2][quads];
-  int most;  // samples
+  int most;                           // samples
+  span_sections last;                 // of quads in three blocks of one axis on their fine level: its last two, `fine` has the first two
+  uint32_t split, split_by_row;       // bit n: quad n is such a one; v is that axis
+  alignas(64) int32_t second[16];     // u, then v: the second block, as a position
 
   SPANTEX_INLINE texels16 sample(int n, int k) const {
     const v16 du = along_u[k / 2][n], dv = along_v[k / 2][n];
     if (k & 1) return {_mm512_add_epi32(u[n], du), _mm512_add_epi32(v[n], dv)};
     return {_mm512_sub_epi32(u[n], du), _mm512_sub_epi32(v[n], dv)};
+  }
+
+  // Pixels whose first texel is not in the first block of a split quad.
+  SPANTEX_INLINE __mmask16 in_later_blocks(const texels16& p, int n) const {
+    const bool by_row = split_by_row >> n & 1;
+    const v16 position = by_row ? _mm512_add_epi32(p.v, set32(at.from_v[n])) : _mm512_add_epi32(p.u, set32(at.from_u[n]));
+    return _mm512_cmpge_epi32_mask(position, set32(second[by_row ? quads + n : n]));
   }
 };
 
@@ -72,11 +82,9 @@ SPANTEX_INLINE v16 samples_of(v16 ratio) {
   return _mm512_mask_add_epi32(n, _mm512_cmpge_epi32_mask(ratio, of32<least_ratio_of(4)>()), n, of32<1>());
 }
 
-// A number of 32 bits in each lane, as even and odd lanes of 64.
-struct halves16 { v8 even, odd; };
-
-// |n| / w^2 in 2^-16 texels: both products rounded, then the scale (axis_at()). |n| is at most 2^30 and 1/w below 2, so that products fit 32 bits again.
-SPANTEX_INLINE halves16 over_square(v16 n, const reciprocals16& r, int drop) {
+// |n| / w^2 in 2^-16 texels, even and odd lanes: both products rounded, then the scale (axis_at()). |n| is at most 2^30 + 7 and 1/w below 1.99, so products fit 32 bits again.
+struct lengths32 { v8 even, odd; };
+SPANTEX_INLINE lengths32 over_square(v16 n, const reciprocals16& r, int drop) {
   const v16 m = _mm512_abs_epi32(n);
   const v8 half = of64<1 << (q.reciprocal_bits - 1)>(), half_scale = set(int64_t(1) << (drop - 1));
   const auto one = [&](v8 x, v8 y) {
@@ -88,7 +96,7 @@ SPANTEX_INLINE halves16 over_square(v16 n, const reciprocals16& r, int drop) {
 }
 
 // sample_offset(): length m 2^-16, symmetric; the sign is n's.
-SPANTEX_INLINE v16 along16(const halves16& length, v16 m, v16 n) {
+SPANTEX_INLINE v16 along16(const lengths32& length, v16 m, v16 n) {
   const v8 half = of64<0x8000>();
   const v8 even = _mm512_srli_epi64(_mm512_add_epi64(_mm512_mul_epu32(length.even, m), half), 16);
   const v8 odd = _mm512_slli_epi64(_mm512_add_epi64(_mm512_mul_epu32(length.odd, _mm512_srli_epi64(m, 32)), half), 16);
@@ -111,8 +119,10 @@ SPANTEX_INLINE v16 mean_of(const colouring& as, const row_span& s, int n, v16 (&
   return as.packed(sum);
 }
 
+enum class held_in : uint8_t { narrow, wide, two_sections };  // fine texels of a quad
+
 // How a span's quads are drawn.
-template <taken Levels, int Channels, bool Wide>
+template <taken Levels, int Channels, held_in Fine>
 struct row_blender {
   const uint8_t* blocks;
   sampling<up_between> from;
@@ -128,9 +138,17 @@ struct row_blender {
     for (int k = 0; k < s.most; ++k) {
       const texels16 at = s.sample(n, k);
       v16 fine[Channels], coarse[Channels];
-      blended16<Wide>(section_of<Wide>(blocks, s.fine, n), samples16(from, s.at.at(from, at.u, at.v, n)), rounding, fine);
+      constexpr bool wide = Fine != held_in::narrow;
+      const samples here = samples16(from, s.at.at(from, at.u, at.v, n));
+      blended16<wide>(section_of<wide>(blocks, s.fine, n), here, rounding, fine);
+      if constexpr (Fine == held_in::two_sections) {
+        const __mmask16 later = s.in_later_blocks(at, n);
+        blended16<true>(section_of<true>(blocks, s.last, n), here, rounding, coarse);
+#pragma GCC unroll 4
+        for (int m = 0; m < Channels; ++m) fine[m] = _mm512_mask_mov_epi32(fine[m], later, coarse[m]);
+      }
       if constexpr (Levels == taken::all) {
-        asm volatile("" ::: "memory");
+        asm volatile("" ::: "memory");  // as in quad_blender
         blended16<false>(section_of<false>(blocks, s.coarse, n), samples16(from, s.at.at(from, at.u, at.v, n + quads)), rounding, coarse);
       }
       const v16 counted = _mm512_maskz_mov_epi32(_mm512_cmpgt_epi32_mask(s.samples[n], set32(k)), weights);
@@ -141,7 +159,13 @@ struct row_blender {
   }
 };
 
-// A quad that spreads too far. False where the map has no blocks.
+template <taken Levels, int Channels>
+[[gnu::noinline]] void split_rows(const uint8_t* blocks, const row_span& s, int n, v16& out) {
+  const row_blender<Levels, Channels, held_in::two_sections> blended(blocks);
+  out = blended(s, n);
+}
+
+// A quad that spreads further. False where the map has no blocks.
 template <int Channels>
 [[gnu::noinline]] bool spread_rows(const planar_map& map, int32_t last_level, const row_span& s, int n, v16& out) {
   const v16 fine_level = _mm512_srli_epi32(s.level[n], 8), coarse_level = _mm512_min_epi32(_mm512_add_epi32(fine_level, of32<1>()), set32(last_level));
@@ -152,6 +176,7 @@ template <int Channels>
 #pragma GCC unroll 1
   for (int k = 0; k < s.most; ++k) {
     const __mmask16 lanes = _mm512_cmpgt_epi32_mask(s.samples[n], set32(k)), both = __mmask16(lanes & between);
+    if (lanes == 0) break;
     const texels16 at = s.sample(n, k);
     if (!blend_anywhere<up_between>(map, on_levels(map, at, fine_level), fine_level, lanes, 1 << 7, fine)) return false;
     if (both != 0 && !blend_anywhere<up_between>(map, on_levels(map, at, coarse_level), coarse_level, both, 1 << 7, coarse)) return false;
@@ -163,17 +188,39 @@ template <int Channels>
   return true;
 }
 
-template <taken Levels, int Channels, bool Wide>
+// Finds the quads in three blocks of one axis.
+SPANTEX_INLINE void split_quads(const planar_map& map, v16 reach, row_span& s) {
+  s.split = 0;
+  const uint32_t held = s.one_level ? 0xF : s.coarse.fit;
+  if ((s.fine.fit & held) == held) return;
+  const v16 level = _mm512_broadcast_i32x4(_mm_load_si128(reinterpret_cast<const __m128i*>(s.first_level))), texel = end_texels(reach, level), block = _mm512_srai_epi32(texel, 3);
+  const v16 spread = spread_of(block);
+  const __mmask16 more = __mmask16(firsts & _mm512_cmpgt_epi32_mask(spread, of32<1>())), too_many = __mmask16(firsts & _mm512_cmpgt_epi32_mask(spread, of32<2>()));
+  // From seven texels before the last one on: its block, and the one before.
+  const v16 scale = _mm512_add_epi32(level, of32<16>()), from = _mm512_sub_epi32(_mm512_shuffle_i32x4(reach, reach, 0x4E), _mm512_sllv_epi32(of32<block_side - 1>(), scale));
+  find_sections<true>(map, _mm512_mask_mov_epi32(reach, more, from), level, s.last);
+  s.split = held & s.fine.within & s.last.fit & some_axis(more) & ~some_axis(too_many) & ~uint32_t(more & more >> 4);
+  s.split_by_row = more >> 4;
+  _mm512_store_si512(s.second, _mm512_sllv_epi32(_mm512_add_epi32(block, of32<1>()), _mm512_add_epi32(scale, of32<3>())));
+}
+
+template <taken Levels, int Channels, held_in Fine>
 SPANTEX_INLINE bool blend_rows(const row_work& work, const batch& b, int k, const row_span& s) {
-  return blend_span<row_blender<Levels, Channels, Wide>>(work, b, k, s, [&](int n, v16& out) SPANTEX_INLINED { return spread_rows<Channels>(*work.texels, work.last_level, s, n, out); });
+  return blend_span<row_blender<Levels, Channels, Fine>>(work, b, k, s, [&](int n, v16& out) SPANTEX_INLINED {
+    if (s.split >> n & 1) {
+      split_rows<Levels, Channels>(work.texels->blocks(), s, n, out);
+      return true;
+    }
+    return spread_rows<Channels>(*work.texels, work.last_level, s, n, out);
+  });
 }
 
 // Rows of pixels whose shapes are known; nu, nv: J times the major axis' direction. False where they are too long.
 template <int Channels>
 SPANTEX_INLINE bool draw_rows(const row_work& work, const batch& b, int k, const offsets& o, const v16 (&nu)[quads], const v16 (&nv)[quads], row_span& s) {
-  constexpr int32_t longest = longest_row << 15;  // half of it
-  const int drop = b.axis_exponent[k] - 17;
-  if (drop <= 0 || !work.texels->exact()) return false;
+  constexpr int32_t half_of_longest = longest_row << 15;
+  const int drop = b.axis_exponent[k] - 17;  // 3 or more
+  if (!work.texels->exact()) return false;
   const bool affine = b.terms[k] == 0;
   v16 far_u[quads], far_v[quads];
   __mmask16 beyond = 0;
@@ -181,7 +228,7 @@ SPANTEX_INLINE bool draw_rows(const row_work& work, const batch& b, int k, const
   for (int n = 0; n < quads; ++n) {
     const v8 one = of64<int64_t(1) << q.reciprocal_bits>();
     const reciprocals16 r = affine ? reciprocals16{one, one} : reciprocal16(o.e[n]);
-    const halves16 u = over_square(nu[n], r, drop), v = over_square(nv[n], r, drop);
+    const lengths32 u = over_square(nu[n], r, drop), v = over_square(nv[n], r, drop);
     for (int at = 0; 2 * at < s.most; ++at) {
       const v16 m = look_up(of_samples.from_middle[at], s.samples[n]);
       s.along_u[at][n] = along16(u, m, nu[n]);
@@ -189,7 +236,7 @@ SPANTEX_INLINE bool draw_rows(const row_work& work, const batch& b, int k, const
     }
     far_u[n] = _mm512_abs_epi32(s.along_u[0][n]);
     far_v[n] = _mm512_abs_epi32(s.along_v[0][n]);
-    beyond |= _mm512_cmpgt_epu32_mask(_mm512_or_si512(far_u[n], far_v[n]), of32<longest - 1>());
+    beyond |= _mm512_cmpgt_epu32_mask(_mm512_or_si512(far_u[n], far_v[n]), of32<half_of_longest - 1>());
     const texels16 p = texels_of(positions_of(b, k, o, n));
     s.u[n] = p.u;
     s.v[n] = p.v;
@@ -198,10 +245,17 @@ SPANTEX_INLINE bool draw_rows(const row_work& work, const batch& b, int k, const
   s.bits = 16;
   s.half = 0;
   const v16 aside = _mm512_mask_mov_epi32(of_each_quad<larger>(far_u), 0xF0F0, of_each_quad<larger>(far_v)), middle = reach_of(s.u, s.v, 16, 0, 0);
-  place<true>(*work.texels, work.last_level, 0, 0, _mm512_mask_add_epi32(_mm512_sub_epi32(middle, aside), 0xFF00, middle, aside), s);
-  if (s.crossing) return false;
-  if (s.one_level) return s.wide ? blend_rows<taken::one, Channels, true>(work, b, k, s) : blend_rows<taken::one, Channels, false>(work, b, k, s);
-  return s.wide ? blend_rows<taken::all, Channels, true>(work, b, k, s) : blend_rows<taken::all, Channels, false>(work, b, k, s);
+  const v16 reach = _mm512_mask_add_epi32(_mm512_sub_epi32(middle, aside), 0xFF00, middle, aside);
+  static_assert(max_levels <= 13, "no position is shortened");
+  place<true>(*work.texels, work.last_level, 0, 0, reach, s);
+  split_quads(*work.texels, reach, s);
+  for (int n = 0; s.crossing && n < quads; ++n)
+    if (_mm512_cmpneq_epi32_mask(whole_of<true>(s.level[n]), set32(s.first_level[n])) != 0) {
+      s.fit &= ~(1u << n);
+      s.split &= ~(1u << n);
+    }
+  if (s.one_level) return s.wide ? blend_rows<taken::one, Channels, held_in::wide>(work, b, k, s) : blend_rows<taken::one, Channels, held_in::narrow>(work, b, k, s);
+  return s.wide ? blend_rows<taken::all, Channels, held_in::wide>(work, b, k, s) : blend_rows<taken::all, Channels, held_in::narrow>(work, b, k, s);
 }
 
 template <int Channels>
@@ -209,7 +263,7 @@ SPANTEX_INLINE bool draw_aniso(const row_work& work, const batch& b, int k) {
   const bool flat = (b.g[k] | b.h[k]) == 0;
   row_span span;
   offsets o = offsets_of(b, k);
-  v16 nu[quads], nv[quads], longest = _mm512_setzero_si512();
+  v16 nu[quads], nv[quads], largest = _mm512_setzero_si512();
   forms(set32(b.axis_c_u[k]), b.axis_a_u[k], b.axis_b_u[k], nu);
   forms(set32(b.axis_c_v[k]), b.axis_a_v[k], b.axis_b_v[k], nv);
 #pragma GCC unroll 4
@@ -217,9 +271,9 @@ SPANTEX_INLINE bool draw_aniso(const row_work& work, const batch& b, int k) {
     v16 ratio;
     shapes_of(nu[n], nv[n], o.e[n], b.axis_exponent[k], b.area_log2[k], flat, work.last_level, span.level[n], ratio);
     span.samples[n] = samples_of(ratio);
-    longest = _mm512_max_epi32(longest, ratio);
+    largest = _mm512_max_epi32(largest, ratio);
   }
-  const auto some_take = [&](v16 ratio) { return _mm512_cmpge_epi32_mask(longest, ratio) != 0; };
+  const auto some_take = [&](v16 ratio) { return _mm512_cmpge_epi32_mask(largest, ratio) != 0; };
   if (some_take(of32<least_ratio_of(most_samples + 1)>())) return false;
   if (!some_take(of32<least_ratio_of(2)>())) {
     take(o, span);

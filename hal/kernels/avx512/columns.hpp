@@ -2,13 +2,16 @@
 // AVX-512 kernel: how eight spans' steps on the screen lie on the map: terms of the level of detail and of the footprint. Included by ../avx512.cpp alone.
 #pragma once
 
+// shift_right_symmetric(): nothing is added where nothing is shifted, as 1 shifted by -1 is 0.
+SPANTEX_INLINE v8 symmetric8(v8 x, v8 shift) {
+  const v8 half = _mm512_sllv_epi64(of64<1>(), _mm512_sub_epi64(shift, of64<1>())), m = _mm512_srlv_epi64(_mm512_add_epi64(_mm512_abs_epi64(x), half), shift);
+  return _mm512_mask_sub_epi64(m, _mm512_movepi64_mask(x), _mm512_setzero_si512(), m);
+}
+
 // level.hpp: the columns of W^2 J about the span's centre, and the twist.
 struct columns8 { v8 u_x, v_x, u_y, v_y, twist_u, twist_v; };
 SPANTEX_INLINE columns8 columns_of(const setup& s, const batch& b) {
-  const auto product = [&](v8 x, v8 slope) {  // times_slope()
-    const v8 p30 = _mm512_mul_epi32(x, slope), m = _mm512_srli_epi64(_mm512_add_epi64(_mm512_abs_epi64(p30), of64<1 << 29>()), 30);
-    return _mm512_mask_sub_epi64(m, _mm512_movepi64_mask(p30), _mm512_setzero_si512(), m);
-  };
+  const auto product = [&](v8 x, v8 slope) { return symmetric8(_mm512_mul_epi32(x, slope), of64<q.reciprocal_bits>()); };  // times_slope()
   const auto wide = [&](const int32_t (&x)[batch_size]) { return _mm512_cvtepi32_epi64(got(x)); };
   const v8 cu = wide(b.c_u), cv = wide(b.c_v), au = wide(b.a_u), av = wide(b.a_v), bu = wide(b.b_u), bv = wide(b.b_v);
   return {_mm512_sub_epi64(au, product(cu, s.g)), _mm512_sub_epi64(av, product(cv, s.g)), _mm512_sub_epi64(bu, product(cu, s.h)), _mm512_sub_epi64(bv, product(cv, s.h)),
@@ -42,20 +45,11 @@ struct alignas(64) direction_table {
 };
 constexpr direction_table directions{};
 
-// shift_right_symmetric(): nothing is added where nothing is shifted, as 1 shifted by -1 is 0.
-SPANTEX_INLINE v8 symmetric8(v8 x, v8 shift) {
-  const v8 half = _mm512_sllv_epi64(of64<1>(), _mm512_sub_epi64(shift, of64<1>())), m = _mm512_srlv_epi64(_mm512_add_epi64(_mm512_abs_epi64(x), half), shift);
-  return _mm512_mask_sub_epi64(m, _mm512_movepi64_mask(x), _mm512_setzero_si512(), m);
-}
-
-// footprint.hpp: major_direction().
+// footprint.hpp: major_direction(). Columns are below 2^28: no bits are dropped before they are squared.
 SPANTEX_INLINE v8 major_directions(const columns8& j) {
   const v8 zero = _mm512_setzero_si512(), one = of64<1>();
-  const v8 all = _mm512_or_si512(_mm512_or_si512(_mm512_abs_epi64(j.u_x), _mm512_abs_epi64(j.u_y)), _mm512_or_si512(_mm512_abs_epi64(j.v_x), _mm512_abs_epi64(j.v_y)));
-  const v8 drop = _mm512_max_epi64(_mm512_sub_epi64(bit_length(all), of64<30>()), zero);
-  const v8 ux = symmetric8(j.u_x, drop), uy = symmetric8(j.u_y, drop), vx = symmetric8(j.v_x, drop), vy = symmetric8(j.v_y, drop);
   const auto sum = [](v8 a, v8 b, v8 c, v8 d) { return _mm512_add_epi64(_mm512_mul_epi32(a, b), _mm512_mul_epi32(c, d)); };
-  const v8 across = _mm512_sub_epi64(sum(ux, ux, vx, vx), sum(uy, uy, vy, vy)), half_twice = sum(ux, uy, vx, vy);
+  const v8 across = _mm512_sub_epi64(sum(j.u_x, j.u_x, j.v_x, j.v_x), sum(j.u_y, j.u_y, j.v_y, j.v_y)), half_twice = sum(j.u_x, j.u_y, j.v_x, j.v_y);
   const v8 difference = _mm512_abs_epi64(across), twice = _mm512_slli_epi64(_mm512_abs_epi64(half_twice), 1);
   const v8 larger = _mm512_max_epu64(difference, twice), shift = _mm512_max_epi64(_mm512_sub_epi64(bit_length(larger), of64<48>()), zero);
   const v8 most = _mm512_srlv_epi64(larger, shift), least = _mm512_slli_epi64(_mm512_srlv_epi64(_mm512_min_epu64(difference, twice), shift), 15);
@@ -68,7 +62,7 @@ SPANTEX_INLINE v8 major_directions(const columns8& j) {
   return _mm512_and_si512(_mm512_mask_sub_epi64(k, _mm512_movepi64_mask(half_twice), zero, k), of64<direction_count - 1>());
 }
 
-// footprint.hpp: axis_of(). Columns fit 32 bits, as c + 7 a + 7 b do 31; exponents are 18 or more, so mantissas are only ever shifted down.
+// footprint.hpp: axis_of(). Exponents are 18 to 40 and vectors below 2^43, so what is kept lies between the limits of the exponent, and mantissas are shifted down.
 SPANTEX_INLINE void plan_axes(const setup& s, batch& b) {
   const columns8 j = columns_of(s, b);
   const v8 k = major_directions(j);
@@ -80,13 +74,12 @@ SPANTEX_INLINE void plan_axes(const setup& s, batch& b) {
   const auto reached = [](v8 c, v8 x, v8 y) { return _mm512_add_epi64(_mm512_abs_epi64(c), times7(_mm512_add_epi64(_mm512_abs_epi64(x), _mm512_abs_epi64(y)))); };
   constexpr int bits = q.offset_bits - 1;
   const v8 longest = bit_length(_mm512_or_si512(reached(c_u, a_u, b_u), reached(c_v, a_v, b_v))), given = _mm512_add_epi64(s.exponent, set(direction_bits));
-  const v8 fitting = _mm512_sub_epi64(given, _mm512_max_epi64(_mm512_sub_epi64(longest, set(bits)), _mm512_setzero_si512()));
-  const v8 kept = _mm512_max_epi64(_mm512_min_epi64(fitting, set(spantex::detail::max_axis_exponent)), set(bits - 14)), drop = _mm512_sub_epi64(given, kept);
+  const v8 drop = _mm512_max_epi64(_mm512_sub_epi64(longest, set(bits)), _mm512_setzero_si512());
   const v8 most = set((int64_t(1) << bits) - 1), least = set(-((int64_t(1) << bits) - 1));
   const auto mantissa = [&](v8 x) { return _mm512_max_epi64(_mm512_min_epi64(symmetric8(x, drop), most), least); };
   keep(b.axis_c_u, mantissa(c_u)); keep(b.axis_a_u, mantissa(a_u)); keep(b.axis_b_u, mantissa(b_u));
   keep(b.axis_c_v, mantissa(c_v)); keep(b.axis_a_v, mantissa(a_v)); keep(b.axis_b_v, mantissa(b_v));
-  keep(b.axis_exponent, kept);
+  keep(b.axis_exponent, _mm512_sub_epi64(given, drop));
   const v8 area = _mm512_abs_epi64(_mm512_sub_epi64(_mm512_mul_epi32(j.u_x, j.v_y), _mm512_mul_epi32(j.u_y, j.v_x))), zeros = _mm512_lzcnt_epi64(area);
   const v8 log2 = log2_of_bits(_mm512_srli_epi64(_mm512_sllv_epi64(area, zeros), 32), _mm512_sub_epi64(of64<63>(), zeros));
   const v8 level = _mm512_mask_mov_epi64(_mm512_add_epi32(log2, _mm512_slli_epi32(_mm512_sub_epi64(of64<1>(), s.exponent), 17)), _mm512_testn_epi64_mask(area, area), of32<-32 * 65536>());

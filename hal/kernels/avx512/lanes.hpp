@@ -61,13 +61,16 @@ SPANTEX_INLINE v8 quotient8(v8 n, v8 drop, v8 y, v8 shift) {
   return _mm512_mask_sub_epi64(magnitude, _mm512_movepi64_mask(n), _mm512_setzero_si512(), magnitude);
 }
 
+// Of s15.16 in 32 bits half a texel of a level is taken: of the coarsest that has two texels at most.
+constexpr int32_t farthest_base = largest_base(filter::aniso) - max_texture_side / 4;
+
 SPANTEX_INLINE v8 whole_quotient8(v8 n, v8 w_bits, const inverse8& iw, __mmask8& usable) {
   const v8 bits = bit_length(_mm512_abs_epi64(n));
   const v8 drop = _mm512_max_epi64(_mm512_sub_epi64(bits, of64<31>()), _mm512_setzero_si512());
   const v8 shift = _mm512_sub_epi64(_mm512_add_epi64(iw.exponent, of64<63>()), drop);
   const v8 r = quotient8(n, drop, iw.y, shift);
   usable &= _mm512_cmple_epi64_mask(bits, _mm512_add_epi64(w_bits, of64<15>()));
-  usable &= _mm512_cmple_epi64_mask(_mm512_abs_epi64(r), set(largest_base(filter::aniso)));
+  usable &= _mm512_cmple_epi64_mask(_mm512_abs_epi64(r), set(farthest_base));
   return r;
 }
 

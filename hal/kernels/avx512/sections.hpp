@@ -43,24 +43,36 @@ struct alignas(64) span_sections {
   int32_t at[2][2][quads];
   alignas(32) uint64_t merged[quads];           // narrow
   uint32_t fit;                                 // bit n: quad n's section is in here
+  uint32_t within;                              // bit n: quad n's ends lie where the map has blocks
 };
 
-// Levels of the quads, four times over. Lanes are ordered as in reach_of().
+// Lanes are ordered as in reach_of(): those of u, of v, of the first ends.
+constexpr __mmask16 of_u = 0x0F0F, of_v = 0xF0F0, firsts = 0x00FF;
+
+// The texels of the level that the ends need.
+SPANTEX_INLINE v16 end_texels(v16 reach, v16 level) {
+  const v16 half = _mm512_sllv_epi32(of32<1 << 15>(), level), ends = _mm512_setr_epi32(0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1);
+  return _mm512_add_epi32(_mm512_srav_epi32(_mm512_sub_epi32(reach, half), _mm512_add_epi32(level, of32<16>())), ends);
+}
+
+SPANTEX_INLINE v16 spread_of(v16 from) { return _mm512_sub_epi32(_mm512_shuffle_i32x4(from, from, 0x4E), from); }  // in the first ends' lanes
+SPANTEX_INLINE uint32_t some_axis(uint32_t lanes) { return (lanes | lanes >> 4 | lanes >> 8 | lanes >> 12) & 0xF; }  // quads
+
+// Levels of the quads, four times over.
 template <bool Wide>
 SPANTEX_INLINE void find_sections(const planar_map& map, v16 reach, v16 level, span_sections& s) {
-  constexpr __mmask16 of_u = 0x0F0F, of_v = 0xF0F0, firsts = 0x00FF;
   const planar_levels& texels = map.levels();
   const v16 one = set32(1), axis = _mm512_setr_epi32(0, 0, 0, 0, 16, 16, 16, 16, 0, 0, 0, 0, 16, 16, 16, 16), index = _mm512_or_si512(level, axis);
   static_assert(max_planar_levels == 16);
   const auto of_level = [&](const int32_t* u, const int32_t* v) { return _mm512_permutex2var_epi32(_mm512_load_si512(u), index, _mm512_load_si512(v)); };
-  const v16 half = _mm512_sllv_epi32(of32<1 << 15>(), level), ends = _mm512_setr_epi32(0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1);
-  const v16 texel = _mm512_add_epi32(_mm512_srav_epi32(_mm512_sub_epi32(reach, half), _mm512_add_epi32(level, of32<16>())), ends);
+  const v16 ends = _mm512_setr_epi32(0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1), texel = end_texels(reach, level);
   const v16 block = _mm512_srai_epi32(texel, 3), least = of32<-apron>(), last = of_level(texels.last_column, texels.last_row);
   const v16 from = Wide ? block : _mm512_mask_mov_epi32(block, of_u, texel);  // narrow: columns are counted
-  const v16 spread = _mm512_sub_epi32(_mm512_shuffle_i32x4(from, from, 0x4E), from), most = Wide ? one : _mm512_mask_mov_epi32(one, of_u, of32<block_side - 1>());
-  __mmask16 bad = __mmask16(firsts & _mm512_cmpgt_epi32_mask(spread, most));
+  const v16 most = Wide ? one : _mm512_mask_mov_epi32(one, of_u, of32<block_side - 1>());
+  __mmask16 bad = __mmask16(firsts & _mm512_cmpgt_epi32_mask(spread_of(from), most));
   const __mmask16 strict = __mmask16((map.period_u() != 0 ? of_u : 0) | (map.period_v() != 0 ? of_v : 0));
-  bad = __mmask16(bad | (strict & _mm512_cmpneq_epi32_mask(_mm512_max_epi32(_mm512_min_epi32(block, last), least), block)));
+  const __mmask16 outside = __mmask16(strict & _mm512_cmpneq_epi32_mask(_mm512_max_epi32(_mm512_min_epi32(block, last), least), block));
+  bad = __mmask16(bad | outside);
   const v16 start = _mm512_shuffle_i32x4(block, block, 0x44);  // u, v, u, v
   v16 parity = _mm512_or_si512(_mm512_andnot_si512(one, _mm512_add_epi32(start, _mm512_sub_epi32(one, ends))), ends);  // the even one, the odd one
   if constexpr (!Wide) parity = _mm512_mask_mov_epi32(parity, of_u, block);
@@ -73,7 +85,10 @@ SPANTEX_INLINE void find_sections(const planar_map& map, v16 reach, v16 level, s
     const __m512i column = _mm512_cvtepi32_epi64(_mm512_castsi512_si256(_mm512_and_si512(texel, of32<7>())));
     _mm256_store_si256(reinterpret_cast<__m256i*>(s.merged), _mm512_castsi512_si256(_mm512_permutexvar_epi64(column, _mm512_loadu_si512(columns_below))));
   }
-  s.fit = bad == 0 ? 0xF : ~uint32_t(bad | bad >> 4 | bad >> 8 | bad >> 12) & 0xF;
+  s.fit = s.within = 0xF;
+  if (bad == 0) [[likely]] return;
+  s.fit = ~some_axis(bad) & 0xF;
+  s.within = ~some_axis(outside) & 0xF;
 }
 
 template <bool Wide>
