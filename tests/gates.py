@@ -436,7 +436,7 @@ if "avx512_vbmi" in pathlib.Path("/proc/cpuinfo").read_text():
         ("AVX-512: means' halves up", "hal/kernels/avx512/aniso.hpp", "_mm512_mask_andnot_epi32(whole, tie,", "_mm512_mask_andnot_epi32(whole, 0 * tie,", "kernels", "random_planes*", KERNELS),
         ("AVX-512: directions turned by one", "hal/kernels/avx512/columns.hpp", "_mm512_movepi64_mask(across), of64<16>()", "_mm512_movepi64_mask(across), of64<17>()", "kernels", "random_planes*", KERNELS),
         ("AVX-512: split quads from their first blocks", "hal/kernels/avx512/aniso.hpp", "fine[m] = _mm512_mask_mov_epi32(fine[m], later, coarse[m]);", "(void)later;", "kernels", "ordinary_planes*", KERNELS),
-        ("AVX-512: rows on two levels from one", "hal/kernels/avx512/aniso.hpp", "for (int n = 0; s.crossing && n < quads; ++n)", "for (int n = quads; n < quads; ++n)", "kernels", "ordinary_planes*", KERNELS),
+        ("AVX-512: rows on two levels from one", "hal/kernels/avx512/aniso.hpp", "for (int n = 0; s.crossing && n < quads; ++n)", "for (int n = quads; n < quads; ++n)", "kernels", "minified_planes*", KERNELS),
         ("AVX-512: bases up to the end of the range", "hal/kernels/avx512/lanes.hpp", " - max_texture_side / 4;", ";", "kernels", "samples_next*", KERNELS),
         ("AVX-512: areas not rounded", "hal/kernels/avx512/columns.hpp", "keep(b.area_log2, level_term16(level));", "keep(b.area_log2, level);", "kernels", "random_planes*", KERNELS),
         ("AVX-512: halves always up", "hal/kernels/avx512/filters.hpp", "_mm512_and_si512(x, one), one); }", "one, one); }", "kernels", "random_planes*", KERNELS),

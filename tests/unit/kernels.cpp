@@ -92,6 +92,17 @@ SPANTEX_CASE(random_planes_and_maps_of_any_size) {
     }
 }
 
+// Levels of detail other than the first two, and from one to the next.
+SPANTEX_CASE(minified_planes) {
+  const ready_map map(random_map(512, 512), wrap::repeat);
+  for (const double scale : {2.5, 4.5}) {
+    const double m[9] = {0.62 * scale, -0.14 * scale, -12 * scale, -0.23 * scale, -0.39 * scale, 585 * scale, 0, 0.00085, 0.44};
+    plane p{};
+    SPANTEX_ASSERT_OK(make_plane(homography_of(m), {0, 0, 64, 480}, p));
+    for (const filter kind : filters) draw_all(p, map, kind, {0, 0, 64, 480}, 64, 480);
+  }
+}
+
 // Rows of samples on maps whose period is little more than a span, or less.
 SPANTEX_CASE(long_rows_on_small_maps) {
   static constexpr int32_t sides[][2] = {{496, 80}, {48, 480}, {80, 80}, {256, 16}};
@@ -229,6 +240,7 @@ int main() {
       cmocka_unit_test(a_machine_has_words_and_its_own),
       cmocka_unit_test(ordinary_planes_are_drawn_by_the_kernel_alone),
       cmocka_unit_test(random_planes_and_maps_of_any_size),
+      cmocka_unit_test(minified_planes),
       cmocka_unit_test(long_rows_on_small_maps),
       cmocka_unit_test(rows_beyond_a_period),
       cmocka_unit_test(texels_after_the_division),
