@@ -71,9 +71,8 @@ SPANTEX_INLINE void plan_axes(const setup& s, batch& b) {
   const auto centre = [&](v8 x, v8 y) { return _mm512_add_epi64(_mm512_mul_epi32(cos, x), _mm512_mul_epi32(sin, y)); };
   const v8 c_u = centre(j.u_x, j.u_y), c_v = centre(j.v_x, j.v_y);
   const v8 a_u = _mm512_mul_epi32(minus_sin, j.twist_u), b_u = _mm512_mul_epi32(cos, j.twist_u), a_v = _mm512_mul_epi32(minus_sin, j.twist_v), b_v = _mm512_mul_epi32(cos, j.twist_v);
-  const auto reached = [](v8 c, v8 x, v8 y) { return _mm512_add_epi64(_mm512_abs_epi64(c), times7(_mm512_add_epi64(_mm512_abs_epi64(x), _mm512_abs_epi64(y)))); };
   constexpr int bits = q.offset_bits - 1;
-  const v8 longest = bit_length(_mm512_or_si512(reached(c_u, a_u, b_u), reached(c_v, a_v, b_v))), given = _mm512_add_epi64(s.exponent, set(direction_bits));
+  const v8 longest = bit_length(_mm512_or_si512(extent_of(c_u, a_u, b_u), extent_of(c_v, a_v, b_v))), given = _mm512_add_epi64(s.exponent, set(direction_bits));
   const v8 drop = _mm512_max_epi64(_mm512_sub_epi64(longest, set(bits)), _mm512_setzero_si512());
   const v8 most = set((int64_t(1) << bits) - 1), least = set(-((int64_t(1) << bits) - 1));
   const auto mantissa = [&](v8 x) { return _mm512_max_epi64(_mm512_min_epi64(symmetric8(x, drop), most), least); };

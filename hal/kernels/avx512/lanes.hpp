@@ -75,6 +75,8 @@ SPANTEX_INLINE v8 whole_quotient8(v8 n, v8 w_bits, const inverse8& iw, __mmask8&
 }
 
 SPANTEX_INLINE v8 times7(v8 x) { return _mm512_sub_epi64(_mm512_slli_epi64(x, 3), x); }
+// How far c + x hx + y hy reaches within a span.
+SPANTEX_INLINE v8 extent_of(v8 c, v8 x, v8 y) { return _mm512_add_epi64(_mm512_abs_epi64(c), times7(_mm512_add_epi64(_mm512_abs_epi64(x), _mm512_abs_epi64(y)))); }
 
 SPANTEX_INLINE void put(int32_t (&to)[batch_size], __m256i x) { _mm256_store_si256(reinterpret_cast<__m256i*>(to), x); }
 SPANTEX_INLINE void keep(int32_t (&to)[batch_size], v8 x) { put(to, _mm512_cvtepi64_epi32(x)); }

@@ -121,9 +121,6 @@ SPANTEX_INLINE void plan_mantissas(const row_work& work, setup& s, batch& b) {
   const auto less = [&](int64_t x, v8 base, v8 by) { return _mm512_sub_epi64(set(x), _mm512_mullo_epi64(base, by)); };
   const v8 c_u = _mm512_sub_epi64(s.nu, _mm512_mullo_epi64(s.base_u, s.w)), a_u = less(p.u.x, s.base_u, gx), b_u = less(p.u.y, s.base_u, gy);
   const v8 c_v = _mm512_sub_epi64(s.nv, _mm512_mullo_epi64(s.base_v, s.w)), a_v = less(p.v.x, s.base_v, gx), b_v = less(p.v.y, s.base_v, gy);
-  const auto extent_of = [&](v8 c, v8 x, v8 y) {
-    return _mm512_add_epi64(_mm512_abs_epi64(c), times7(_mm512_add_epi64(_mm512_abs_epi64(x), _mm512_abs_epi64(y))));
-  };
   const v8 extent = _mm512_max_epu64(extent_of(c_u, a_u, b_u), extent_of(c_v, a_v, b_v)), extent_bits = bit_length(extent);
   s.extent_log2 = _mm512_add_epi64(_mm512_sub_epi64(extent_bits, s.w_bits), of64<1>());
   s.usable &= _mm512_cmple_epi64_mask(s.extent_log2, of64<max_extent_log2>());
