@@ -123,13 +123,8 @@ enum class held_in : uint8_t { narrow, wide, two_sections };  // fine texels of 
 
 // How a span's quads are drawn.
 template <taken Levels, int Channels, held_in Fine>
-struct row_blender {
-  const uint8_t* blocks;
-  sampling<up_between> from;
-  colouring as;
-  v16 rounding;
-
-  SPANTEX_INLINE explicit row_blender(const uint8_t* of) : blocks(of), rounding(rounding_of<true>()) {}
+struct row_blender : blending<true> {
+  SPANTEX_INLINE explicit row_blender(const uint8_t* of) : blending<true>(of) {}
 
   SPANTEX_INLINE v16 operator()(const row_span& s, int n) const {
     v16 sum[Channels] = {};

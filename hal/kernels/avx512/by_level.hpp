@@ -99,16 +99,22 @@ SPANTEX_INLINE positions positions_of(const batch& b, int k, const level_span& s
 // What a span's quads take: one level, no pixel any other; or as many as the filter takes; or one more, as some quad's pixels lie on two whole levels.
 enum class taken : uint8_t { one, all, more };
 
-// How a span's quads are drawn. Whether the fine sections are as narrow as the coarse ones is much the same from one span to the next.
-template <bool TwoLevels, taken Levels, int Channels, bool Wide>
-struct quad_blender {
+// What all quads of a span take.
+template <bool TwoLevels>
+struct blending {
   static constexpr int up = TwoLevels ? up_between : up_of_one;
   const uint8_t* blocks;
   sampling<up> from;
   colouring as;
   v16 rounding;
+  SPANTEX_INLINE explicit blending(const uint8_t* of) : blocks(of), rounding(rounding_of<TwoLevels>()) {}
+};
 
-  SPANTEX_INLINE explicit quad_blender(const uint8_t* of) : blocks(of), rounding(rounding_of<TwoLevels>()) {}
+// How a span's quads are drawn. Whether the fine sections are as narrow as the coarse ones is much the same from one span to the next.
+template <bool TwoLevels, taken Levels, int Channels, bool Wide>
+struct quad_blender : blending<TwoLevels> {
+  SPANTEX_INLINE explicit quad_blender(const uint8_t* of) : blending<TwoLevels>(of) {}
+  using blending<TwoLevels>::up, blending<TwoLevels>::blocks, blending<TwoLevels>::from, blending<TwoLevels>::as, blending<TwoLevels>::rounding;
 
   SPANTEX_INLINE v16 operator()(const level_span& s, int n) const {
     const v16 u = s.u[n], v = s.v[n], level = s.level[n];

@@ -62,7 +62,7 @@ SPANTEX_INLINE v8 major_directions(const columns8& j) {
   return _mm512_and_si512(_mm512_mask_sub_epi64(k, _mm512_movepi64_mask(half_twice), zero, k), of64<direction_count - 1>());
 }
 
-// footprint.hpp: axis_of(). Exponents are 18 to 40 and vectors below 2^43, so what is kept lies between the limits of the exponent, and mantissas are shifted down.
+// footprint.hpp: axis_of(). Exponents are 18 to 36 and vectors below 2^43, so that what is kept lies within the limits of the axis' exponent.
 SPANTEX_INLINE void plan_axes(const setup& s, batch& b) {
   const columns8 j = columns_of(s, b);
   const v8 k = major_directions(j);
