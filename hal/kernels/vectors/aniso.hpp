@@ -44,11 +44,11 @@ constexpr bool inverses_divide() {
 }
 static_assert(inverses_divide());
 
-// Of 64 pixels, row by row: the vector before it is divided by w^2; w; number of samples; length and direction of their row, s15.16.
+// Of 64 pixels, as place_of() has them: the vector before it is divided by w^2; w; number of samples; length and direction of their row, s15.16.
 struct alignas(64) span_rows { int32_t n_u[span_pixel_count], n_v[span_pixel_count], w[span_pixel_count], samples[span_pixel_count], u[span_pixel_count], v[span_pixel_count]; };
 
 // shape_of(): levels of detail and numbers of samples. False where a vector is zero.
-SPANTEX_INLINE bool find_shapes(const span_coefficients& c, int32_t* level, span_rows& out, bool& several) {
+SPANTEX_INLINE bool find_shapes(const span_coefficients& c, level_number* level, span_rows& out, bool& several) {
   const axis_terms& t = c.axis;
   const bool flat = (c.g | c.h) == 0;
   const int32_t area = t.area_log2 * (1 << (16 - level_term_bits)), most = int32_t(c.last_level) << q.level_bits, whole = (1 - t.exponent) * (1 << 16);
@@ -58,7 +58,7 @@ SPANTEX_INLINE bool find_shapes(const span_coefficients& c, int32_t* level, span
   for (int part = 0; part < parts; ++part) {
     form nu(t.c_u, t.a_u, t.b_u, part), nv(t.c_v, t.a_v, t.b_v, part), nw(1 << q.reciprocal_bits, c.g, c.h, part);
     for (int y = 0; y < span_side; ++y) {
-      const int at = span_side * y + width * part;
+      const int at = place_of(y, part);
       put(out.n_u + at, nu.at);
       put(out.n_v + at, nv.at);
       put(out.w + at, nw.at);

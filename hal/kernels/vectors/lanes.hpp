@@ -11,7 +11,9 @@ typedef uint16_t v_unsigned __attribute__((vector_size(4 * width)));
 
 struct wide { v_64 first, second; };  // 64 bits a lane, in the order that the machine's products have
 
+// A span's pixels in memory: `width` neighbours of a row, below them those of the next row; after the last row the next part of all rows.
 constexpr int parts = span_side / width;  // of a row of pixels
+constexpr int place_of(int y, int part) { return width * (span_side * part + y); }
 
 SPANTEX_INLINE v set(int32_t x) { return v{} + x; }
 SPANTEX_INLINE v get(const int32_t* from) {
@@ -22,6 +24,8 @@ SPANTEX_INLINE v get(const int32_t* from) {
 SPANTEX_INLINE void put(void* to, v x) { __builtin_memcpy(to, &x, sizeof x); }
 SPANTEX_INLINE v least(v a, v b) { return a < b ? a : b; }
 SPANTEX_INLINE v largest(v a, v b) { return a > b ? a : b; }
+
+struct span_slopes { v row_u, row_v, column_u, column_v, twist_u, twist_v; };  // of a span: the same in all lanes
 
 SPANTEX_INLINE v_s64 negated_where(v_s64 x, v_s64 negative) { return (x ^ negative) - negative; }
 

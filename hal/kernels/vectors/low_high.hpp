@@ -24,7 +24,8 @@ SPANTEX_INLINE v narrowed(const wide& x, int shift) {
 // newton() of reciprocal.hpp.
 SPANTEX_INLINE v newton(v m, v y) {
   const wide product = unsigned_products(m, y);
-  const uint32x4_t two_minus = vuzp2q_u32(uint32x4_t(-product.first), uint32x4_t(-product.second));
+  const uint64x2_t two{};
+  const uint32x4_t two_minus = vsubhn_high_u64(vsubhn_u64(two, uint64x2_t(product.first)), two, uint64x2_t(product.second));
   const wide next = unsigned_products(y, v(two_minus));
   return v(vshrn_high_n_u64(vshrn_n_u64(uint64x2_t(next.first), 31), uint64x2_t(next.second), 31));
 }

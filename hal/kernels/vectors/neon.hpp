@@ -3,6 +3,19 @@
 #pragma once
 
 constexpr bool places_first = false;
+constexpr int row_pairs_at_once = 1;  // of positions with levels
+
+typedef int16_t level_number;  // of a pixel, in memory
+SPANTEX_INLINE v get(const level_number* from) { return v(vmovl_s16(vld1_s16(from))); }
+SPANTEX_INLINE void put(level_number* to, v x) { vst1_s16(to, vmovn_s32(int32x4_t(x))); }
+
+// put_details() of positions.hpp: where half of a level beyond 2^16 saturates, it is not the larger one; neither is below 0.
+SPANTEX_INLINE void put_details(level_number* to, v upper, v lower, int32_t most) {
+  const int32x4_t a = int32x4_t(upper), b = int32x4_t(lower);
+  const uint16x8_t half = vqrshrun_high_n_s32(vqrshrun_n_s32(a, 1), b, 1), whole = vqrshrun_high_n_s32(vqrshrun_n_s32(a, 8), b, 8);
+  const uint16x8_t level = vmaxq_u16(vrshrq_n_u16(half, 8), vqsubq_u16(whole, vdupq_n_u16(128)));
+  vst1q_s16(to, int16x8_t(vminq_u16(level, vdupq_n_u16(uint16_t(most)))));
+}
 
 SPANTEX_INLINE v products(v a, v b) {  // of both halves of a lane, added up
   const int16x8_t x = int16x8_t(a), y = int16x8_t(b);
@@ -10,6 +23,7 @@ SPANTEX_INLINE v products(v a, v b) {  // of both halves of a lane, added up
 }
 SPANTEX_INLINE v halves(v low, v high) { return v(vbslq_s32(vdupq_n_u32(0xFFFF), int32x4_t(low), int32x4_t(high))); }
 SPANTEX_INLINE v rounded_shift(v x, int shift) { return v(vrshlq_s32(int32x4_t(x), vdupq_n_s32(-shift))); }  // to nearest, halves up
+SPANTEX_INLINE v_32 rounded_shift(v_32 x, int shift) { return v_32(vrshlq_u32(uint32x4_t(x), vdupq_n_s32(-shift))); }
 
 // The numbers of the series (coordinates.hpp: series_number), shifted up by 17 + slope_log2: the upper half of a doubled product is then that of words.hpp.
 SPANTEX_INLINE v number(v x, int slope_log2) { return x & -(1 << (17 + slope_log2)); }
@@ -31,6 +45,18 @@ SPANTEX_INLINE v_64 rounded_shift(v_64 x, v_64 shift) { return v_64(vrshlq_u64(u
 SPANTEX_INLINE v_64 wide_products(v_64 a, v_64 b) { return v_64(vmull_u32(vmovn_u64(uint64x2_t(a)), vmovn_u64(uint64x2_t(b)))); }
 SPANTEX_INLINE v_64 wide_signed_products(v_64 a, v_64 b) { return v_64(vmull_s32(vmovn_s64(int64x2_t(a)), vmovn_s64(int64x2_t(b)))); }
 SPANTEX_INLINE v look_up(const int32_t* table, v at) { return v{table[at[0]], table[at[1]], table[at[2]], table[at[3]]}; }
+
+// slopes_of() of levels.hpp, u and v side by side.
+SPANTEX_INLINE span_slopes slopes_of(const span_coefficients& c) {
+  static_assert(offsetof(span_coefficients, b_v) - offsetof(span_coefficients, c_u) == 5 * sizeof(int32_t) && offsetof(span_coefficients, h) - offsetof(span_coefficients, g) == sizeof(int32_t));
+  const char* const from = reinterpret_cast<const char*>(&c);
+  const int32x2x3_t of = vld3_s32(reinterpret_cast<const int32_t*>(from + offsetof(span_coefficients, c_u)));  // c, a, b
+  const int32x2_t slope = vld1_s32(reinterpret_cast<const int32_t*>(from + offsetof(span_coefficients, g)));
+  const auto rounded = [](int64x2_t product) SPANTEX_INLINED { return vrshrn_n_s64(vsraq_n_s64(product, product, 63), q.reciprocal_bits); };
+  const int32x2_t row = vsub_s32(of.val[1], rounded(vmull_lane_s32(of.val[0], slope, 0))), column = vsub_s32(of.val[2], rounded(vmull_lane_s32(of.val[0], slope, 1)));
+  const int32x2_t twist = vsub_s32(rounded(vmull_lane_s32(of.val[1], slope, 1)), rounded(vmull_lane_s32(of.val[2], slope, 0)));
+  return {v(vdupq_lane_s32(row, 0)), v(vdupq_lane_s32(row, 1)), v(vdupq_lane_s32(column, 0)), v(vdupq_lane_s32(column, 1)), v(vdupq_lane_s32(twist, 0)), v(vdupq_lane_s32(twist, 1))};
+}
 
 SPANTEX_INLINE void put_words(int16_t* to, v x) { vst1_s16(to, vqmovn_s32(int32x4_t(x))); }  // saturated
 

@@ -2,8 +2,12 @@
 // Vector kernels: texture positions and levels of detail of a span's 64 pixels. Included by the machines' files alone.
 #pragma once
 
-// Of 64 pixels, row by row: positions from the span's base in texels of level 0, s15.14, and the base, likewise; levels of detail in 2^-8.
-struct alignas(64) span_positions { int32_t u[span_pixel_count], v[span_pixel_count], level[span_pixel_count], base_u, base_v; };
+// Of 64 pixels, as place_of() has them: positions from the span's base in texels of level 0, s15.14, and the base, likewise; levels of detail in 2^-8.
+struct alignas(64) span_positions {
+  int32_t u[span_pixel_count], v[span_pixel_count];
+  level_number level[span_pixel_count];
+  int32_t base_u, base_v;
+};
 
 // q of the series from the slope, lanes as slope_lanes() makes them.
 template <int Terms>
@@ -16,6 +20,13 @@ SPANTEX_INLINE v series_of(v e, int slope_log2) {
 // finer() with a bias of -8, which takes off half of what lies between 0 and 1; then to 2^-8, clamped.
 SPANTEX_INLINE v detail_of(v level, int32_t most) {
   return least(largest(rounded_shift(largest(rounded_shift(level, 1), level - (1 << 15)), 8), set(0)), set(most));
+}
+
+// Of two rows, one below the other.
+template <class Number>
+SPANTEX_INLINE void put_details(Number* to, v upper, v lower, int32_t most) {
+  put(to, detail_of(upper, most));
+  put(to + width, detail_of(lower, most));
 }
 
 // s5.10 of the coefficients, s.16, by rows.
@@ -36,6 +47,8 @@ struct form {
   SPANTEX_INLINE void next() { at += down; }
 };
 
+// Positions by a series of so many terms; none, levels alone, where they are fewer than 0.
+constexpr int levels_alone = -1;
 template <int Terms, bool Levels>
 SPANTEX_INLINE void find_positions(const span_coefficients& c, span_positions& out) {
   const int s = c.slope_log2, cut = c.exponent - q.coordinate_bits;
@@ -46,24 +59,29 @@ SPANTEX_INLINE void find_positions(const span_coefficients& c, span_positions& o
     form nu(c.c_u, c.a_u, c.b_u, part), nv(c.c_v, c.a_v, c.b_v, part), twice_e(0, 2 * c.g, 2 * c.h, part);
     const v column = Levels ? levels16(c.level_column + width * part) : set(0);
     const auto row = [&](int y) SPANTEX_INLINED {
-      v u = nu.at, w = nv.at;
       const v e = slope_lanes(twice_e.at, s);
-      if constexpr (Terms > 0) {
-        const v r = series_of<Terms>(e, s);
-        u -= product_with_slope(u, r, s);
-        w -= product_with_slope(w, r, s);
-      }
-      const int at = span_side * y + width * part;
-      put(out.u + at, rounded_shift(u, cut));
-      put(out.v + at, rounded_shift(w, cut));
-      if constexpr (Levels) put(out.level + at, detail_of(largest(column, set(levels.row[y])) - twice_log2_of_slope(e, s), most));
-      nu.next();
-      nv.next();
       twice_e.next();
+      if constexpr (Terms != levels_alone) {
+        v u = nu.at, w = nv.at;
+        if constexpr (Terms > 0) {
+          const v r = series_of<Terms>(e, s);
+          u -= product_with_slope(u, r, s);
+          w -= product_with_slope(w, r, s);
+        }
+        const int at = place_of(y, part);
+        put(out.u + at, rounded_shift(u, cut));
+        put(out.v + at, rounded_shift(w, cut));
+        nu.next();
+        nv.next();
+      }
+      if constexpr (Levels) return largest(column, set(levels.row[y])) - twice_log2_of_slope(e, s);
     };
     if constexpr (Levels) {
-#pragma GCC unroll 8
-      for (int y = 0; y < span_side; ++y) row(y);
+#pragma GCC unroll row_pairs_at_once
+      for (int y = 0; y < span_side; y += 2) {
+        const v upper = row(y), lower = row(y + 1);
+        put_details(out.level + place_of(y, part), upper, lower, most);
+      }
     } else {  // with no more numbers to wait for, more rows at once only leave too few registers
 #pragma GCC unroll 4
       for (int y = 0; y < span_side; ++y) row(y);
@@ -75,11 +93,10 @@ SPANTEX_INLINE void find_positions(const span_coefficients& c, span_positions& o
 
 // reciprocal_of_w(w, 30), w in (1/2, 3/2).
 SPANTEX_INLINE v reciprocals_of(v w) {
-  const v below_one = (w >> 30) - 1;
+  const v below_one = v(w < set(1 << 30));
   const v_32 twice = v_32(w) << 1, m = twice + (twice & v_32(below_one));
   const v_32 r = v_32(reciprocal_wide(v(m), look_up(wide_seeds.seed, v((m >> 24) & 127))));
-  // to two bits less: r, or twice as much below one, and a half
-  return v((r >> 2) + (r >> 2 & v_32(below_one)) + (((r & 3) + (r & 3 & v_32(below_one)) + 2) >> 2));
+  return v(below_one < 0 ? rounded_shift(r, 1) : rounded_shift(r, 2));
 }
 
 // n / w, rounded to coordinate_bits; shift is 32 or more.
@@ -92,7 +109,7 @@ static_assert(q.offset_bits - 1 - max_extent_log2 - q.coordinate_bits + q.recipr
     form nu(c.c_u, c.a_u, c.b_u, part), nv(c.c_v, c.a_v, c.b_v, part), nw(1 << q.reciprocal_bits, c.g, c.h, part);
     for (int y = 0; y < span_side; ++y) {
       const v r = reciprocals_of(nw.at);
-      const int at = span_side * y + width * part;
+      const int at = place_of(y, part);
       put(out.u + at, divided(nu.at, r, shift));
       put(out.v + at, divided(nv.at, r, shift));
       nu.next();
@@ -112,7 +129,7 @@ static_assert(q.offset_bits - 1 - max_extent_log2 - q.coordinate_bits + q.recipr
     const v column = levels16(c.level_column + width * part);
 #pragma GCC unroll 8
     for (int y = 0; y < span_side; ++y, nw.next())
-      put(out.level + span_side * y + width * part, detail_of(largest(column, set(levels.row[y])) - (log2_of_w(nw.at) << 1), most));
+      put(out.level + place_of(y, part), detail_of(largest(column, set(levels.row[y])) - (log2_of_w(nw.at) << 1), most));
   }
 }
 
@@ -127,7 +144,7 @@ SPANTEX_INLINE void find_positions(const span_coefficients& c, span_positions& o
     case 3: find_positions<3, Levels>(c, out); break;
     case 4: find_positions<4, Levels>(c, out); break;
     default:
-      if (Levels && c.slope_log2 <= most_level_slope_log2) find_positions<0, Levels>(c, out);
+      if (Levels && c.slope_log2 <= most_level_slope_log2) find_positions<levels_alone, Levels>(c, out);
       divide_positions(c, out);
       break;
   }

@@ -106,19 +106,19 @@ SPANTEX_INLINE void write(rgba8* to, uint32_t mask, v pixels) {
     if (mask >> k & 1) __builtin_memcpy(to + k, one + k, sizeof(rgba8));
 }
 
-// pixels_at(k) delivers `width` pixels from the span's k-th on.
+// pixels_at(k) delivers the `width` pixels that lie in memory from the k-th on.
 SPANTEX_INLINE void write_span(const row_work& work, int32_t sx, span_mask mask, auto&& pixels_at) {
   rgba8* row = work.pixels + int64_t(work.sy) * span_side * work.stride + sx * span_side;
   if (mask == ~span_mask(0)) [[likely]] {
 #pragma GCC unroll 2
     for (int y = 0; y < span_side; ++y, row += work.stride)
-      for (int part = 0; part < parts; ++part) put(row + width * part, pixels_at(span_side * y + width * part));
+      for (int part = 0; part < parts; ++part) put(row + width * part, pixels_at(place_of(y, part)));
     return;
   }
   for (int y = 0; y < span_side; ++y, row += work.stride) {
     const uint32_t of_row = uint32_t(mask >> (y * span_side)) & 0xFF;
     if (of_row == 0) continue;
-    for (int part = 0; part < parts; ++part) write(row + width * part, of_row >> (width * part), pixels_at(span_side * y + width * part));
+    for (int part = 0; part < parts; ++part) write(row + width * part, of_row >> (width * part), pixels_at(place_of(y, part)));
   }
 }
 

@@ -1,22 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
 // NEON kernel: filters of 2x2 texels by table. The section that 4x4 pixels need of a level is up to 16x16 texels; a channel of 16x4 of them is four
 // registers (byte_planes.hpp), from which one instruction looks up sixteen bytes, as VR11's local memory has them in banks. Sixteen pixels are then computed a channel at a
-// time, 16 bits each (pixels.hpp). Quads whose section is larger, or that lie on more than one level, take spans.hpp's way. Included by ../neon.cpp alone.
+// time, 16 bits each (pixels.hpp). Quads whose section is larger take spans.hpp's way. Included by ../neon.cpp alone.
 #pragma once
 
 constexpr int most_table_level = 17 - cut_of(0);  // positions are shifted up, then down by 16
 // log2 of texels from a base. A position's whole part fits a byte but where 1/w is nearly 2; what wraps then has left the table: each quad also has a
 // pixel next to the span's centre.
 constexpr int most_table_extent = 6;
+static_assert(max_extent_log2 - most_table_extent <= most_table_level);
 constexpr int quad_side = 4;
 constexpr span_mask whole_quad = 0x0F0F0F0F;  // of a span's mask, shifted down to the quad's first pixel
 
-// A level as a span's quads meet it. Positions on it are 8.8, their last bit without weight, from a texel near the span's base.
+// A level as a span's quads meet it. Positions on it are 8.8, not negative, their last bit without weight, from a texel before the span's base.
 struct table_level {
   const byte_planes::level* plane;
   const uint8_t* values;
   int32_t from_u, from_v;  // the texel
 };
+constexpr int before = 128, before_next = 192;  // how far from the base that is, and on the next level as on_next_level() has it
 
 SPANTEX_INLINE table_level table_of(const planar_map& map, int32_t from_u, int32_t from_v, int level) {
   const byte_planes::level& plane = map.planes().at(level);
@@ -33,19 +35,20 @@ SPANTEX_INLINE table_positions positions_on(const span_positions& p, const table
 }
 
 // Four rows of four pixels, two rows a register.
-struct quad_positions { int16x8_t u[2], v[2]; };
+struct quad_positions { uint16x8_t u[2], v[2]; };
 
-SPANTEX_INLINE quad_positions positions_of(const table_positions& on, const span_positions& p, int k) {
+// u, v: of its first pixel.
+SPANTEX_INLINE quad_positions positions_of(const table_positions& on, const int32_t* u, const int32_t* v) {
   const auto rows = [&](const int32_t* position, int32x4_t add) SPANTEX_INLINED {
-    const auto row = [&](int r) SPANTEX_INLINED { return vshlq_s32(vld1q_s32(position + k + span_side * r), on.up); };
-    return vaddhn_high_s32(vaddhn_s32(row(0), add), row(1), add);
+    const auto row = [&](int r) SPANTEX_INLINED { return vshlq_s32(vld1q_s32(position + width * r), on.up); };
+    return uint16x8_t(vaddhn_high_s32(vaddhn_s32(row(0), add), row(1), add));
   };
-  return {{rows(p.u, on.add_u), rows(p.u + 2 * span_side, on.add_u)}, {rows(p.v, on.add_v), rows(p.v + 2 * span_side, on.add_v)}};
+  return {{rows(u, on.add_u), rows(u + 2 * width, on.add_u)}, {rows(v, on.add_v), rows(v + 2 * width, on.add_v)}};
 }
 
 // The same on the next level, from half the texel: half of it, to nearest, less a quarter of a texel.
 SPANTEX_INLINE quad_positions on_next_level(const quad_positions& at) {
-  const auto half = [](int16x8_t x) SPANTEX_INLINED { return vhaddq_s16(x, vdupq_n_s16(1 - 128)); };
+  const auto half = [](uint16x8_t x) SPANTEX_INLINED { return vhaddq_u16(x, vdupq_n_u16(uint16_t(1 - 128))); };
   return {{half(at.u[0]), half(at.u[1])}, {half(at.v[0]), half(at.v[1])}};
 }
 
@@ -59,16 +62,16 @@ struct table_samples {
 
 // False where the section is too large.
 SPANTEX_INLINE bool samples_of(const table_level& l, const quad_positions& at, table_samples& s) {
-  const auto texels = [](const int16x8_t (&x)[2]) SPANTEX_INLINED { return vuzp2q_s8(int8x16_t(x[0]), int8x16_t(x[1])); };
-  const auto weights = [](const int16x8_t (&x)[2]) SPANTEX_INLINED { return vshrq_n_u8(vuzp1q_u8(uint8x16_t(x[0]), uint8x16_t(x[1])), 1); };
-  const int8x16_t u = texels(at.u), w = texels(at.v);
-  const int left = vminvq_s8(u), top = vminvq_s8(w);
+  const auto texels = [](const uint16x8_t (&x)[2]) SPANTEX_INLINED { return vuzp2q_u8(uint8x16_t(x[0]), uint8x16_t(x[1])); };
+  const auto weights = [](const uint16x8_t (&x)[2]) SPANTEX_INLINED { return vshrq_n_u8(vuzp1q_u8(uint8x16_t(x[0]), uint8x16_t(x[1])), 1); };
+  const uint8x16_t u = texels(at.u), w = texels(at.v);
+  const int left = vminvq_u8(u), top = vminvq_u8(w);
   const uint32_t column = uint32_t(l.from_u + left) & uint32_t(l.plane->mask_u), row_at = uint32_t(l.from_v + top) & uint32_t(l.plane->mask_v);
   const int begins = left - int(column % byte_planes::strip_pitch);
-  s.rows = vmaxvq_s8(w) - top + 2;
-  if (vmaxvq_s8(u) - begins > byte_planes::table_side - 2 || s.rows > byte_planes::table_side) return false;
+  s.rows = vmaxvq_u8(w) - top + 2;
+  if (vmaxvq_u8(u) - begins > byte_planes::table_side - 2 || s.rows > byte_planes::table_side) return false;
   s.first = l.values + (column / byte_planes::strip_pitch * uint32_t(l.plane->strip) + row_at * byte_planes::table_side);
-  s.index = vmlaq_u8(vsubq_u8(uint8x16_t(u), vdupq_n_u8(uint8_t(16 * top + begins))), uint8x16_t(w), vdupq_n_u8(16));
+  s.index = vmlaq_u8(vsubq_u8(u, vdupq_n_u8(uint8_t(16 * top + begins))), w, vdupq_n_u8(16));
   s.across = weights(at.u);
   s.from_left = vsubq_u8(vdupq_n_u8(128), s.across);
   const uint8x16_t of_v = weights(at.v), zero = vdupq_n_u8(0);
@@ -133,6 +136,15 @@ SPANTEX_INLINE void blend_tables(const table_level& l, const table_samples& s, t
   else blend_tables<4, Rest>(l, s, out);
 }
 
+// Colours of sixteen pixels on a level. False where their section is too large.
+template <bool Rest, int Channels>
+SPANTEX_INLINE bool level_colours(const table_level& l, const quad_positions& at, table_colour (&out)[Channels]) {
+  table_samples s;
+  if (!samples_of(l, at, s)) return false;
+  blend_tables<Rest>(l, s, out);
+  return true;
+}
+
 // Four rows of four pixels.
 struct quad { v row[quad_side]; };
 
@@ -146,10 +158,8 @@ SPANTEX_INLINE quad quad_from(const table_colour (&c)[Channels]) {
 // Both: false where a section is too large, nothing drawn. Rounded: the colour of a level is rounded to blend_bits first, as between levels.
 template <int Channels, bool Rounded>
 SPANTEX_INLINE bool quad_of_level(const table_level& l, const quad_positions& at, auto&& draw) {
-  table_samples s;
-  if (!samples_of(l, at, s)) return false;
   table_colour c[Channels];
-  blend_tables<!Rounded>(l, s, c);
+  if (!level_colours<!Rounded>(l, at, c)) return false;
   draw(quad_from(c));
   return true;
 }
@@ -157,11 +167,8 @@ SPANTEX_INLINE bool quad_of_level(const table_level& l, const quad_positions& at
 // fraction: of 256.
 template <int Channels>
 SPANTEX_INLINE bool quad_between(const table_level& fine, const table_level& coarse, const int16x8_t (&fraction)[2], const quad_positions& at, auto&& draw) {
-  table_samples s, t;
-  if (!samples_of(fine, at, s) || !samples_of(coarse, on_next_level(at), t)) return false;
   table_colour near[Channels], far[Channels];
-  blend_tables<false>(fine, s, near);
-  blend_tables<false>(coarse, t, far);
+  if (!level_colours<false>(fine, at, near) || !level_colours<false>(coarse, on_next_level(at), far)) return false;
   const int16x8_t weight[2] = {vshlq_n_s16(fraction[0], 15 - q.level_bits), vshlq_n_s16(fraction[1], 15 - q.level_bits)};
 #pragma GCC unroll 4
   for (int m = 0; m < Channels; ++m) near[m] = between<true>(near[m].value, far[m].value, weight);
@@ -169,28 +176,68 @@ SPANTEX_INLINE bool quad_between(const table_level& fine, const table_level& coa
   return true;
 }
 
-// Levels of a quad's pixels: whether they lie on one, which one, and the fraction above it.
+// Levels of a quad's pixels: the finest whole one, what each has above it, of 256, and the most that one has.
+struct quad_levels { int whole, most; int16x8_t above[2]; };
+
 template <bool TwoLevels>
-SPANTEX_INLINE bool one_level(const int32_t* level, int& whole, int16x8_t (&fraction)[2]) {
-  const auto row = [&](int r) SPANTEX_INLINED {
-    const v x = get(level + span_side * r);
-    return int32x4_t(TwoLevels ? x : x + 127);  // as whole_level()
-  };
-  const int16x8_t a = vuzp1q_s16(int16x8_t(row(0)), int16x8_t(row(1))), b = vuzp1q_s16(int16x8_t(row(2)), int16x8_t(row(3)));
-  whole = vgetq_lane_u16(uint16x8_t(a), 0) >> q.level_bits;
-  const int16x8_t from = vdupq_n_s16(int16_t(whole << q.level_bits));
-  fraction[0] = vsubq_s16(a, from);
-  fraction[1] = vsubq_s16(b, from);
-  return vmaxvq_u16(vorrq_u16(uint16x8_t(fraction[0]), uint16x8_t(fraction[1]))) < 256;
+SPANTEX_INLINE quad_levels levels_of(const level_number* level) {
+  uint16x8_t a = uint16x8_t(vld1q_s16(level)), b = uint16x8_t(vld1q_s16(level + 2 * width));
+  if (!TwoLevels) a = vaddq_u16(a, vdupq_n_u16(127)), b = vaddq_u16(b, vdupq_n_u16(127));  // as whole_level()
+  const int whole = vminvq_u16(vminq_u16(a, b)) >> q.level_bits;
+  const uint16x8_t from = vdupq_n_u16(uint16_t(whole << q.level_bits)), c = vsubq_u16(a, from), d = vsubq_u16(b, from);
+  return {whole, vmaxvq_u16(vmaxq_u16(c, d)), {int16x8_t(c), int16x8_t(d)}};
 }
 
-// Four rows of four pixels from the k-th on as spans.hpp draws them.
+// To where the mask has pixels.
+SPANTEX_INLINE void write_quad(rgba8* to, ptrdiff_t stride, span_mask of_quad, const quad& pixels) {
+  if ((of_quad & whole_quad) == whole_quad) [[likely]] {
+#pragma GCC unroll 4
+    for (int r = 0; r < quad_side; ++r, to += stride) put(to, pixels.row[r]);
+    return;
+  }
+  for (int r = 0; r < quad_side; ++r, to += stride) write(to, uint32_t(of_quad >> (span_side * r)), pixels.row[r]);
+}
+
+// Colours of pixels on the finer level, or (upper: all ones) on the coarser of two next to each other.
+template <int Channels>
+SPANTEX_INLINE void pick(const uint16x8_t (&upper)[2], const table_colour (&x)[Channels], table_colour (&out)[Channels]) {
+  for (int m = 0; m < Channels; ++m)
+    for (int n = 0; n < 2; ++n) out[m].value[n] = vbslq_s16(upper[n], x[m].value[n], out[m].value[n]);
+}
+
+// A quad whose pixels lie between the finer two of three levels, or between the coarser two. False where a section is too large, nothing drawn.
+template <int Channels>
+[[gnu::noinline]] bool quad_on_three(const row_work& work, const span_coefficients& c, const span_positions& p, int k, span_mask of_quad, rgba8* to) {
+  const quad_levels at_level = levels_of<true>(p.level + k);
+  const int fine = at_level.whole, coarse = fine + 1, coarsest = min_of(fine + 2, work.last_level);
+  const int32_t half_u = c.base_u >> coarse, half_v = c.base_v >> coarse;
+  const auto table = [&](int32_t u, int32_t w, int above, int level) SPANTEX_INLINED { return table_of(*work.texels, u - above, w - above, level); };
+  const table_level level[] = {table(2 * half_u, 2 * half_v, before, fine), table(half_u, half_v, before_next, coarse),
+                               table(c.base_u >> coarsest, c.base_v >> coarsest, before, coarsest)};
+  const quad_positions at = positions_of(positions_on(p, level[0], fine), p.u + k, p.v + k);
+  table_colour near[Channels], middle[Channels], far[Channels];
+  if (!level_colours<false>(level[0], at, near) || !level_colours<false>(level[1], on_next_level(at), middle) ||
+      !level_colours<false>(level[2], positions_of(positions_on(p, level[2], coarsest), p.u + k, p.v + k), far)) return false;
+  uint16x8_t upper[2];
+  int16x8_t weight[2];
+  for (int n = 0; n < 2; ++n) {
+    upper[n] = vcgeq_s16(at_level.above[n], vdupq_n_s16(1 << q.level_bits));
+    weight[n] = vshlq_n_s16(vandq_s16(at_level.above[n], vdupq_n_s16((1 << q.level_bits) - 1)), 15 - q.level_bits);
+  }
+  pick(upper, middle, near);
+  pick(upper, far, middle);
+  for (int m = 0; m < Channels; ++m) near[m] = between<true>(near[m].value, middle[m].value, weight);
+  write_quad(to, work.stride, of_quad, quad_from(near));
+  return true;
+}
+
+// The four rows of four pixels that lie in memory from the k-th on, as spans.hpp draws them.
 template <filter Kind>
 [[gnu::noinline]] void quad_without_tables(const row_work& work, const span_positions& p, int k, span_mask of_quad, rgba8* to) {
   const row_levels& map = work.texels->levels_in_rows();
   pixels_on_levels<true, uses_two_levels(Kind)> pixels(work, p);
   if (!uses_levels(Kind)) pixels.hold(0);
-  for (int r = 0; r < quad_side; ++r, k += span_side, to += work.stride) {
+  for (int r = 0; r < quad_side; ++r, k += width, to += work.stride) {
     if (uses_levels(Kind)) pixels.place(k / width);
     write(to, uint32_t(of_quad >> (span_side * r)), uses_levels(Kind) ? pixels.at(k / width) : pixels_of(blended_at<true>(map, pixels.near(), get(p.u + k), get(p.v + k))));
   }
@@ -201,47 +248,44 @@ template <filter Kind, int Channels>
 [[gnu::noinline]] void quads_by_tables(const row_work& work, int32_t sx, span_mask mask, const span_positions& p, const span_coefficients& c) {
   constexpr bool by_level = uses_levels(Kind), two = uses_two_levels(Kind);
   const planar_map& map = *work.texels;
-  const int extent_log2 = q.offset_bits - 1 - c.exponent;
+  const int least_level = max_of(q.offset_bits - 1 - c.exponent - most_table_extent, 0);
   table_level fine, coarse;
   table_positions on;
   int held = -1;
   const auto hold = [&](int level) SPANTEX_INLINED {
     held = level;
     const int32_t half_u = c.base_u >> (level + 1), half_v = c.base_v >> (level + 1);
-    fine = table_of(map, 2 * half_u, 2 * half_v, level);
-    if constexpr (two) coarse = table_of(map, half_u, half_v, min_of(level + 1, work.last_level));
+    fine = table_of(map, 2 * half_u - before, 2 * half_v - before, level);
+    if constexpr (two) coarse = table_of(map, half_u - before_next, half_v - before_next, min_of(level + 1, work.last_level));
     on = positions_on(p, fine, level);
   };
   const ptrdiff_t stride = work.stride;
-  rgba8* const corner = work.pixels + work.sy * span_side * stride + sx * span_side;
-  for (int n = 0; n < 4; ++n) {
-    const int k = quad_side * (n & 1) + quad_side * span_side * (n >> 1);
-    const span_mask of_quad = mask >> k;
-    if ((of_quad & whole_quad) == 0) continue;
-    rgba8* const to = corner + quad_side * (n >> 1) * stride + quad_side * (n & 1);
-    const auto draw = [&](const quad& out) SPANTEX_INLINED {
-      rgba8* row = to;
-      if ((of_quad & whole_quad) == whole_quad) [[likely]] {
-#pragma GCC unroll 4
-        for (int r = 0; r < quad_side; ++r, row += stride) put(row, out.row[r]);
-        return;
+  rgba8* row = work.pixels + work.sy * span_side * stride + sx * span_side;
+  for (int y = 0; y < span_side; y += quad_side, row += quad_side * stride) {
+#pragma GCC unroll 2
+    for (int part = 0; part < parts; ++part, mask >>= quad_side) {
+      const span_mask of_quad = mask;
+      const int k = place_of(y, part);
+      if ((of_quad & whole_quad) == 0) continue;
+      rgba8* const to = row + quad_side * part;
+      const auto draw = [&](const quad& out) SPANTEX_INLINED { write_quad(to, stride, of_quad, out); };
+      bool drawn = false;
+      quad_levels level{};
+      if constexpr (by_level) level = levels_of<two>(p.level + k);
+      if (uint32_t(level.whole - least_level) < uint32_t(most_table_level - least_level)) {
+        if (level.most < 1 << q.level_bits) [[likely]] {
+          if (level.whole != held) hold(level.whole);
+          const quad_positions at = positions_of(on, p.u + k, p.v + k);
+          if constexpr (!two) drawn = quad_of_level<Channels, false>(fine, at, draw);
+          else if (level.most == 0) drawn = quad_of_level<Channels, true>(fine, at, draw);
+          else drawn = quad_between<Channels>(fine, coarse, level.above, at, draw);
+        } else if (two && level.most < 2 << q.level_bits && level.whole + 2 < most_table_level) {
+          drawn = quad_on_three<Channels>(work, c, p, k, of_quad, to);
+        }
       }
-      for (int r = 0; r < quad_side; ++r, row += stride) write(row, uint32_t(of_quad >> (span_side * r)), out.row[r]);
-    };
-    bool drawn = false;
-    int whole = 0;
-    int16x8_t fraction[2];
-    if ((!by_level || one_level<two>(p.level + k, whole, fraction)) && extent_log2 - whole <= most_table_extent && whole < most_table_level) {
-      if (whole != held) hold(whole);
-      const quad_positions at = positions_of(on, p, k);
-      if constexpr (two) {
-        const bool mixed = vmaxvq_u16(vorrq_u16(uint16x8_t(fraction[0]), uint16x8_t(fraction[1]))) != 0;
-        drawn = mixed ? quad_between<Channels>(fine, coarse, fraction, at, draw) : quad_of_level<Channels, true>(fine, at, draw);
-      } else {
-        drawn = quad_of_level<Channels, false>(fine, at, draw);
-      }
+      if (!drawn) [[unlikely]] quad_without_tables<Kind>(work, p, k, of_quad, to);
     }
-    if (!drawn) [[unlikely]] quad_without_tables<Kind>(work, p, k, of_quad, to);
+    mask >>= quad_side * span_side - parts * quad_side;
   }
 }
 

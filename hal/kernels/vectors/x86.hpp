@@ -3,6 +3,8 @@
 #pragma once
 
 constexpr bool places_first = true;
+constexpr int row_pairs_at_once = 4;  // of positions with levels
+typedef int32_t level_number;  // of a pixel, in memory
 
 #if SPANTEX_AVX2
 #define SPANTEX_OP(name) _mm256_##name
@@ -26,6 +28,7 @@ SPANTEX_INLINE v of_each_half(__m128i x) {
 SPANTEX_INLINE v products(v a, v b) { return v(SPANTEX_OP(madd_epi16)(raw(a), raw(b))); }  // of both halves of a lane, added up
 SPANTEX_INLINE v halves(v low, v high) { return v(SPANTEX_OP(blend_epi16)(raw(low), raw(high), 0xAA)); }
 SPANTEX_INLINE v rounded_shift(v x, int shift) { return (x + (1 << (shift - 1))) >> shift; }  // to nearest, halves up
+SPANTEX_INLINE v_32 rounded_shift(v_32 x, int shift) { return (x >> shift) + (x >> (shift - 1) & 1); }
 SPANTEX_INLINE bool all_equal(v a, int32_t b) { return SPANTEX_OP(movemask_epi8)(raw(a == b)) == int(width == 8 ? 0xFFFFFFFF : 0xFFFF); }
 
 // The numbers of the series (coordinates.hpp: series_number): in the upper half of each lane, lower half zero.
