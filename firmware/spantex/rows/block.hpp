@@ -100,6 +100,15 @@ constexpr block_axis axis_of(int64_t c, int64_t a, int64_t b, int32_t base, cons
   return {base, 0, qc, qb, qa - ((qc >> 6) * o.g >> 10), ((qa >> 9) * o.h - (qb >> 9) * o.g) >> (7 + o.k)};
 }
 
+// Both axes, k, unit and level set.
+SPANTEX_FRAME_APART constexpr void set_axes(const reference& r, uint64_t largest, block& o) {
+  const quotients by_w(r, largest);
+  o.g = by_w.at(r.g, 16 + o.k);
+  o.h = by_w.at(r.h, 16 + o.k);
+  o.u = axis_of(r.c_u, r.a_u, r.b_u, r.base_u, by_w, o);
+  o.v = axis_of(r.c_v, r.a_v, r.b_v, r.base_v, by_w, o);
+}
+
 // The term of third degree, at most a X (g X)^2 units, X the reach, is replaced by its best line: a quarter of it is left.
 [[gnu::noinline]] constexpr bool bends_little(const block& o, int32_t reach) {
   const auto size = [](int32_t x) { return x < 0 ? -x : x; };
@@ -145,12 +154,13 @@ constexpr bool block_at(const plane& p, int32_t bx, int32_t by, int k, level_ter
   }
   const uint64_t largest = detail::largest_of(r, reach, o.unit_log2);
   if (largest == 0) return false;
-  const detail::quotients by_w(r, largest);
-  o.g = by_w.at(r.g, 16 + k);
-  o.h = by_w.at(r.h, 16 + k);
-  o.u = detail::axis_of(r.c_u, r.a_u, r.b_u, r.base_u, by_w, o);
-  o.v = detail::axis_of(r.c_v, r.a_v, r.b_v, r.base_v, by_w, o);
+  detail::set_axes(r, largest, o);
   return detail::bends_little(o, reach);
+}
+
+template <bool Levels>
+[[gnu::noinline]] constexpr bool block_at_apart(const plane& p, int32_t bx, int32_t by, int k, level_terms levels, reference& r, block& out) {
+  return block_at<Levels>(p, bx, by, k, levels, r, out);
 }
 
 // Whether no pixel of a block is in front of the viewer: W is largest at a corner.

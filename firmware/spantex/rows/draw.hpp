@@ -100,10 +100,12 @@ enum class map_kind : uint8_t { any, repeats_in_powers_of_two };
 template <filter Kind, class Target, class Cover, map_kind Map = map_kind::any>
 class painter {
  public:
-  painter(const plane& p, const texture_view& t, const Target& target, rectangle area, const Cover& cover, state& memory)
-      : plane_(p), map_(t), target_(target), memory_(memory), area_(area), cover_(cover), masked_(wraps_by_mask(level_of(t, 0))) {}
+  // What the target takes of `wanted`.
+  painter(const plane& p, const texture_view& t, const Target& target, const rectangle& wanted, const Cover& cover, state& memory)
+      : plane_(p), map_(t), target_(target), memory_(memory), area_(intersection(wanted, area_of(target))), cover_(cover), masked_(wraps_by_mask(level_of(t, 0))) {}
 
   void draw() {
+    if (area_.empty()) return;
     constexpr int side = detail::largest_side;
     for (int32_t y = area_.y0 & -side; y < area_.y1; y += side)
       for (int32_t x = area_.x0 & -side; x < area_.x1; x += side) draw_square(x, y);
@@ -130,19 +132,14 @@ class painter {
     if (left >= right || top >= bottom || !cover_.prepare(x0, y0, k)) return true;
     block& b = memory_.coordinates;
     // Inlined where code is to be least; else its frame is not to lie under the kernels'.
-    if constexpr (Map == map_kind::repeats_in_powers_of_two) {
-      if (!block_at<false>(plane_, x0 >> k, y0 >> k, k, {}, memory_.about, b)) return is_behind(plane_, x0 >> k, y0 >> k, k);
-    } else {
-      if (!place(x0 >> k, y0 >> k, k, b)) return is_behind(plane_, x0 >> k, y0 >> k, k);
-    }
+    constexpr auto at = Map == map_kind::repeats_in_powers_of_two ? block_at<false> : block_at_apart<uses_levels(Kind)>;
+    if (!at(plane_, x0 >> k, y0 >> k, k, {map_.last_level(), 0}, memory_.about, b)) return is_behind(plane_, x0 >> k, y0 >> k, k);
     const block_part part{x0, y0, int8_t(left), int8_t(right), int8_t(top), int8_t(bottom)};
     if constexpr (Map == map_kind::repeats_in_powers_of_two) draw_masked(b, part);
     else if constexpr (uses_levels(Kind)) draw_with_levels(b, part);
-    else if (!draw_with_level(b, part, 0, Kind == filter::nearest ? 0 : snap)) draw_cut_at_borders(b, part, 0);
+    else on_one_level(b, part, 0, find_source(b, 0, Kind == filter::nearest ? 0 : snap));
     return true;
   }
-
-  [[gnu::noinline]] bool place(int32_t bx, int32_t by, int k, block& b) { return block_at<uses_levels(Kind)>(plane_, bx, by, k, {map_.last_level(), 0}, memory_.about, b); }
 
   struct block_part { int32_t x0, y0; int8_t left, right, top, bottom; };
 
@@ -185,17 +182,30 @@ class painter {
     return memory_.at;
   }
 
-  // All pixels on one level. False, with offsets set, if its borders cut the block.
-  [[gnu::noinline]] bool draw_with_level(block& b, const block_part& part, int level, int32_t offset) {
-    constexpr filter kind = uses_levels(Kind) ? filter::bilinear : Kind;
-    const level_view& t = memory_.fine = level_of(map_, level);
-    source s{};
+  // Sets offsets for a level, and finds where the kernels read. False if borders of the level cut the block.
+  SPANTEX_FRAME_APART bool find_source(block& b, int level, int32_t offset) {
     detail::set_offsets(b, level, offset);
-    const bool whole = detail::source_of_block(b, t, level, kind == filter::nearest ? 0 : 1, memory_.at.at, memory_.reach, s);
+    memory_.fine = level_of(map_, level);
+    detail::box_of_block(b, level, memory_.at.at, memory_.reach);
+    const detail::box& x = memory_.reach;
+    return detail::source_of(memory_.fine, x.u, x.v, detail::base_on(level, b.u.base), detail::base_on(level, b.v.base), Kind == filter::nearest ? 0 : 1, memory_.near);
+  }
+  // Then of the level after it.
+  SPANTEX_FRAME_APART bool find_coarser_source(const block& b, int level) {
+    memory_.coarse = level_of(map_, level + 1);
+    const detail::box& x = memory_.reach;
+    return detail::source_of(memory_.coarse, {detail::coarser(x.u.low), detail::coarser(x.u.high)}, {detail::coarser(x.v.low), detail::coarser(x.v.high)},
+                             b.u.base >> (level + 1), b.v.base >> (level + 1), 1, memory_.far);
+  }
+
+  // All pixels on one level. False if its borders cut the block.
+  [[gnu::noinline]] bool draw_with_level(const block& b, const block_part& part, int level, bool whole) {
+    constexpr filter kind = uses_levels(Kind) ? filter::bilinear : Kind;
+    const source& s = memory_.near;
 #if SPANTEX_ROWS_MVE
     if constexpr (kind == filter::bilinear) {
       mve::source map;
-      if (whole ? detail::lanes_within(memory_.reach, s, map) : detail::lanes_wrapped(t, detail::base_on(level, b.u.base), detail::base_on(level, b.v.base), map)) {
+      if (whole ? detail::lanes_within(memory_.reach, s, map) : detail::lanes_wrapped(memory_.fine, detail::base_on(level, b.u.base), detail::base_on(level, b.v.base), map)) {
         each_walk(b, part, level, [&](texel565* out, int, int count, int, const walk& w) { mve::bilinear(out, count, w, map, memory_.between.words); });
         return true;
       }
@@ -224,25 +234,23 @@ class painter {
     each_walk(b, part, 0, [&](texel565* out, int, int count, int, const walk& w) { nearest_masked_run(out, count, w, s, masks); });
   }
 
-  // All pixels between two levels. False, with offsets set, if borders of either cut the block.
-  [[gnu::noinline]] bool draw_with_two(block& b, const block_part& part, int level) {
-    const level_view &t = memory_.fine = level_of(map_, level), &next = memory_.coarse = level_of(map_, level + 1);
-    source near{}, far{};
-    detail::set_offsets(b, level, snap);
-    if (!detail::source_of_block(b, t, level, 1, memory_.at.at, memory_.reach, near)) return false;
-    if (!detail::source_of_coarser(b, next, level, memory_.at.at, memory_.reach, far)) return false;
-    each_row_with_level(b, part, level, [&](texel565* out, int count, const walk& w, const level_run& d) { trilinear_run(out, count, w, near, far, d, memory_.between); });
-    return true;
+  // All pixels between two levels.
+  [[gnu::noinline]] void draw_with_two(const block& b, const block_part& part, int level) {
+    each_row_with_level(b, part, level, [&](texel565* out, int count, const walk& w, const level_run& d) {
+      trilinear_run(out, count, w, memory_.near, memory_.far, d, memory_.between);
+    });
   }
   SPANTEX_FRAME_APART void draw_two_cut_at_borders(block& b, const block_part& part, int level) {
     memory_.at.base_u = detail::base_on(level, b.u.base);
     memory_.at.base_v = detail::base_on(level, b.v.base);
     each_row_with_level(b, part, level, [&](texel565* out, int count, const walk& w, const level_run& d) {
-      draw_between(out, count, memory_.fine, memory_.coarse, going_on(w), d, memory_.between);
+      going_on(w);
+      memory_.level = d;
+      draw_between(out, count, memory_);
     });
   }
   template <class Row>
-  [[gnu::always_inline]] void each_row_with_level(block& b, const block_part& part, int level, const Row& draw_row) {
+  [[gnu::always_inline]] void each_row_with_level(const block& b, const block_part& part, int level, const Row& draw_row) {
     each_walk(b, part, level, [&](texel565* out, int first, int count, int j, const walk& w) {
       level_run d = level_row_at(b, j);
       d.start += first * d.step + detail::level_rounding(Kind);
@@ -250,19 +258,38 @@ class painter {
     });
   }
 
-  void on_one_level(block& b, const block_part& part, int level) {
-    if (!draw_with_level(b, part, level, snap)) draw_cut_at_borders(b, part, level);
+  void on_one_level(block& b, const block_part& part, int level, bool whole) {
+    if (!draw_with_level(b, part, level, whole)) draw_cut_at_borders(b, part, level);
   }
 
-  void draw_with_levels(block& b, const block_part& part) {
+  // How a block is drawn that has levels of detail: whole on a level, or cut at its borders; between two levels, likewise; or row by row, where its pixels
+  // lie on several.
+  enum class way : uint8_t { on_one, cut_on_one, between_two, cut_between_two, by_rows };
+  SPANTEX_FRAME_APART way find_way(block& b, int& level) {
     const detail::interval levels = detail::levels_of(b, detail::level_rounding(Kind), map_.last_level());
-    if (levels.low == levels.high) {
-      const int fine = max_of(levels.low, 0);
-      if (Kind == filter::mip_bilinear || levels.low < 0 || fine == map_.last_level()) on_one_level(b, part, fine);
-      else if (!draw_with_two(b, part, fine)) draw_two_cut_at_borders(b, part, fine);
-      return;
-    }
-    each_row(part, [&](texel565* out, int first, int count, int j) { draw_run<Kind>(out, first, count, map_, j, memory_); });
+    if (levels.low != levels.high) return way::by_rows;
+    level = max_of(levels.low, 0);
+    const bool whole = find_source(b, level, snap);
+    if (Kind == filter::mip_bilinear || levels.low < 0 || level == map_.last_level()) return whole ? way::on_one : way::cut_on_one;
+    return find_coarser_source(b, level) && whole ? way::between_two : way::cut_between_two;
+  }
+  [[gnu::always_inline]] void draw_with_levels(block& b, const block_part& part) {
+    int level = 0;
+    const way how = find_way(b, level);
+    if (how <= way::cut_on_one) on_one_level(b, part, level, how == way::on_one);
+    else if (how == way::by_rows) draw_by_rows(part);
+    else if constexpr (Kind != filter::mip_bilinear) how == way::between_two ? draw_with_two(b, part, level) : draw_two_cut_at_borders(b, part, level);
+  }
+  SPANTEX_FRAME_APART void draw_by_rows(const block_part& part) {
+    each_row(part, [&](texel565* out, int first, int count, int j) {
+      for (const int end = first + count; first < end;) {
+        const level_part x = begin_part<Kind>(map_, j, first, end, memory_);
+        if (Kind != filter::mip_bilinear && x.two) draw_between(out, x.count, memory_);
+        else draw_level<filter::bilinear>(out, x.count, memory_.fine, memory_.at, memory_.between);
+        first += x.count;
+        out += x.count;
+      }
+    });
   }
 
   const plane& plane_;
@@ -286,12 +313,10 @@ constexpr status check(const texture_view& t, filter kind) {
 // The part of a plane in front of the viewer inside `area`, which is cut to the target's. Errors: those of check(); out_of_range for a
 // map that is not what `Map` says.
 template <filter Kind, map_kind Map = map_kind::any, class Target>
-status draw(state& memory, const Target& target, const plane& p, const texture_view& t, rectangle area) {
+status draw(state& memory, const Target& target, const plane& p, const texture_view& t, const rectangle& area) {
   static_assert(Map == map_kind::any || Kind == filter::nearest, "spantex: only the nearest texel is wrapped by masks");
   SPANTEX_TRY(check(t, Kind));
   if (Map != map_kind::any && !wraps_by_mask(level_of(t, 0))) return status::out_of_range;
-  area = intersection(area, area_of(target));
-  if (area.empty()) return status::ok;
   painter<Kind, Target, detail::rectangle_cover, Map>(p, t, target, area, {}, memory).draw();
   return status::ok;
 }
@@ -300,9 +325,7 @@ status draw(state& memory, const Target& target, const plane& p, const texture_v
 template <filter Kind, class Target>
 SPANTEX_FRAME_APART status draw(state& memory, const Target& target, const polygon& p, const texture_view& t) {
   SPANTEX_TRY(check(t, Kind));
-  const rectangle area = intersection(p.box, area_of(target));
-  if (area.empty()) return status::ok;
-  painter<Kind, Target, detail::polygon_cover>(p.map, t, target, area, {&p.edges, memory.masks}, memory).draw();
+  painter<Kind, Target, detail::polygon_cover>(p.map, t, target, p.box, {&p.edges, memory.masks}, memory).draw();
   return status::ok;
 }
 

@@ -173,7 +173,9 @@ inline void nearest_masked_run(uint16_t* out, int count, const walk& from, const
 }
 
 // Positions on the finer level; those on the coarser follow: (fine + snap) / 2, floor. The whole part of the level is the same all along.
-[[gnu::noinline]] inline void trilinear_run(uint16_t* out, int count, walk at, const source& fine, const source& coarse, level_run level, scratch& between) {
+[[gnu::noinline]] inline void trilinear_run(uint16_t* out, int count, const walk& from, const source& fine, const source& coarse, const level_run& along, scratch& between) {
+  walk at = from;
+  level_run level = along;
 #if SPANTEX_ROWS_DSP
   constexpr int most = dsp::scratch_words / 6;
   const bool straight = (at.ddu | at.ddv | level.step) == 0;

@@ -91,13 +91,16 @@ constexpr int until_border(int32_t position, int32_t step, borders b, int count)
   const int32_t n = step > 0 ? (b.end - 1 - position) / step : (position - b.first) / -step;
   return n + 1;
 }
-[[gnu::noinline]] constexpr int bent_until_border(const walk& w, const borders& u, const borders& v, int n) {
-  while (n > 1 && !(lies_in(reach_along(w.u, w.du, w.ddu, n), u) && lies_in(reach_along(w.v, w.dv, w.ddv, n), v))) n -= 1 + n / 8;
+// The copy of a level, or of two, that holds a pair of positions.
+struct copy { borders u, v; };
+[[gnu::noinline]] constexpr int bent_until_border(const walk& w, const copy& c, int n) {
+  while (n > 1 && !(lies_in(reach_along(w.u, w.du, w.ddu, n), c.u) && lies_in(reach_along(w.v, w.dv, w.ddv, n), c.v))) n -= 1 + n / 8;
   return n;
 }
-constexpr int until_border(const walk& w, const borders& u, const borders& v, int count) {
-  const int n = until_border(w.v, w.dv, v, until_border(w.u, w.du, u, count));
-  return (w.ddu | w.ddv) != 0 ? bent_until_border(w, u, v, n) : n;
+SPANTEX_FRAME_APART constexpr int straight_until_border(const walk& w, const copy& c, int count) { return until_border(w.v, w.dv, c.v, until_border(w.u, w.du, c.u, count)); }
+constexpr int until_border(const walk& w, const copy& c, int count) {
+  const int n = straight_until_border(w, c, count);
+  return (w.ddu | w.ddv) != 0 ? bent_until_border(w, c, n) : n;
 }
 
 // To the pixel n further on.
@@ -110,8 +113,6 @@ SPANTEX_WRAPS constexpr void go_on(walk& w, int n) {
   w.v += n * w.dv;
 }
 
-// The copy of a level that holds a pair of positions.
-struct copy { borders u, v; };
 inline bool copy_of(const level_view& t, int32_t u, int32_t v, int32_t base_u, int32_t base_v, int neighbour, copy& out, source& s) {
   int32_t x = 0, y = 0;
   if (!origin_of(u, base_u, t.width, t.wrap_u, x) || !origin_of(v, base_v, t.height, t.wrap_v, y)) return false;
@@ -130,14 +131,7 @@ SPANTEX_FRAME_APART inline bool source_of(const level_view& t, interval u, inter
 SPANTEX_FRAME_APART inline int run_within(const level_view& t, const level_walk& w, int count, int neighbour, source& out) {
   copy c;
   if (!copy_of(t, w.at.u, w.at.v, w.base_u, w.base_v, neighbour, c, out)) return 0;
-  return until_border(w.at, c.u, c.v, count);
-}
-// Likewise in one copy of each of two levels.
-SPANTEX_FRAME_APART inline int run_within_both(const level_view& fine, const level_view& coarse, const level_walk& w, int count, source& near, source& far) {
-  copy a, b;
-  if (!copy_of(fine, w.at.u, w.at.v, w.base_u, w.base_v, 1, a, near)) return 0;
-  if (!copy_of(coarse, coarser(w.at.u), coarser(w.at.v), w.base_u >> 1, w.base_v >> 1, 1, b, far)) return 0;
-  return until_border(w.at, within_both(a.u, of_finer(b.u)), within_both(a.v, of_finer(b.v)), count);
+  return until_border(w.at, c, count);
 }
 
 inline uint32_t wrapped_texel(const level_view& t, int32_t x, int32_t y) {
@@ -214,37 +208,13 @@ template <filter Kind>
   }
 }
 
-inline uint16_t pixel_between(const level_view& fine, const level_view& coarse, const level_walk& w, int32_t level) {
-  const int32_t u = detail::coarser(w.at.u), v = detail::coarser(w.at.v);
-  const detail::halfway a = detail::four_points(detail::wrapped_texels(fine, w.base_u + texel_of(w.at.u), w.base_v + texel_of(w.at.v)), weight_of(w.at.u), weight_of(w.at.v));
-  const detail::halfway b = detail::four_points(detail::wrapped_texels(coarse, (w.base_u >> 1) + texel_of(u), (w.base_v >> 1) + texel_of(v)), weight_of(u), weight_of(v));
-  return detail::pixel_between(a, b, fraction_of(level));
-}
-
-[[gnu::noinline]] inline void draw_between(uint16_t* out, int count, const level_view& fine, const level_view& coarse, level_walk& w, level_run level,
-                                           scratch& between) {
-  while (count > 0) {
-    source near, far;
-    int n = detail::run_within_both(fine, coarse, w, count, near, far);
-    if (n > 0) trilinear_run(out, n, w.at, near, far, level, between);
-    else *out = pixel_between(fine, coarse, w, level.start);
-    n = max_of(n, 1);
-    out += n;
-    count -= n;
-    if (count > 0) {
-      detail::go_on(w.at, n);
-      level.start += n * level.step;
-    }
-  }
-}
-
 namespace detail {
 
 // What is added to a level of detail so that its whole part is the level: to nearest at the fraction's bits, or the nearest level.
 constexpr int32_t level_rounding(filter kind) { return kind == filter::mip_bilinear ? (1 << 15) - 1 : 1 << (15 - blend_bits); }
 
 // Whole levels of a block's pixels, -1 where the map is magnified: linear, so extremes are at corners.
-constexpr interval levels_of(const block& b, int32_t rounding, int last_level) {
+SPANTEX_FRAME_APART constexpr interval levels_of(const block& b, int32_t rounding, int last_level) {
   const int last = (1 << b.k) - 1;
   const level_run top = level_row_at(b, 0), bottom = level_row_at(b, last);
   const int32_t corners[] = {top.start, top.start + last * top.step, bottom.start, bottom.start + last * bottom.step};
@@ -297,57 +267,82 @@ SPANTEX_FRAME_APART inline void box_of_block(const block& b, int level, walk& w,
   out = {{out.u.low - margin, out.u.high + margin}, {out.v.low - margin, out.v.high + margin}};
 }
 
-inline bool source_of_block(const block& b, const level_view& t, int level, int neighbour, walk& w, box& x, source& out) {
-  box_of_block(b, level, w, x);
-  return source_of(t, x.u, x.v, base_on(level, b.u.base), base_on(level, b.v.base), neighbour, out);
-}
-// Likewise for the level after `level`.
-inline bool source_of_coarser(const block& b, const level_view& t, int level, walk& w, box& x, source& out) {
-  box_of_block(b, level, w, x);
-  return source_of(t, {coarser(x.u.low), coarser(x.u.high)}, {coarser(x.v.low), coarser(x.v.high)}, b.u.base >> (level + 1), b.v.base >> (level + 1), 1, out);
+}  // namespace detail
+
+// One surface being drawn. Its memory is the caller's: `state`, 424 bytes on a core of 32 bits, 800 with what DSP kernels work in, 992 with those of Cortex-M0+.
+struct state {
+  level_view fine, coarse;        // what runs need comes first: Cortex-M0+ reaches 31 words from an address
+  level_walk at;
+  level_run level;                // along a run between two levels
+  source near, far;               // where it reads
+  detail::copy within;            // the copy of both levels that it lies in
+  block coordinates;
+  reference about;                // of the block
+  detail::box reach;              // of its positions
+  uint32_t masks[1 << largest_block_log2];  // of the block's rows; polygons
+  scratch between;
+};
+
+namespace detail {
+
+// As run_within(), in one copy of each of two levels; that copy and where to read are the state's.
+SPANTEX_FRAME_APART inline int run_within_both(state& s, int count) {
+  const level_walk& w = s.at;
+  copy c;
+  if (!copy_of(s.fine, w.at.u, w.at.v, w.base_u, w.base_v, 1, s.within, s.near)) return 0;
+  if (!copy_of(s.coarse, coarser(w.at.u), coarser(w.at.v), w.base_u >> 1, w.base_v >> 1, 1, c, s.far)) return 0;
+  s.within = {within_both(s.within.u, of_finer(c.u)), within_both(s.within.v, of_finer(c.v))};
+  return until_border(w.at, s.within, count);
 }
 
 }  // namespace detail
 
-// One surface being drawn. Its memory is the caller's: `state`, 384 bytes on a core of 32 bits, 760 with what DSP kernels work in, 952 with those of Cortex-M0+.
-struct state {
-  reference about;                // of the block
-  detail::box reach;              // of its positions
-  block coordinates;
-  level_view fine, coarse;
-  level_walk at;
-  uint32_t masks[1 << largest_block_log2];  // of its rows; polygons
-  scratch between;
-};
+SPANTEX_FRAME_APART inline uint16_t pixel_between(const level_view& fine, const level_view& coarse, const level_walk& w, int32_t level) {
+  const int32_t u = detail::coarser(w.at.u), v = detail::coarser(w.at.v);
+  const detail::halfway a = detail::four_points(detail::wrapped_texels(fine, w.base_u + texel_of(w.at.u), w.base_v + texel_of(w.at.v)), weight_of(w.at.u), weight_of(w.at.v));
+  const detail::halfway b = detail::four_points(detail::wrapped_texels(coarse, (w.base_u >> 1) + texel_of(u), (w.base_v >> 1) + texel_of(v)), weight_of(u), weight_of(v));
+  return detail::pixel_between(a, b, fraction_of(level));
+}
 
-// `count` pixels of row j of a block, from its pixel `first`, levels of detail pixel by pixel.
+// Between the state's levels, from where it is.
+[[gnu::noinline]] inline void draw_between(uint16_t* out, int count, state& s) {
+  while (count > 0) {
+    int n = detail::run_within_both(s, count);
+    if (n > 0) trilinear_run(out, n, s.at.at, s.near, s.far, s.level, s.between);
+    else *out = pixel_between(s.fine, s.coarse, s.at, s.level.start);
+    n = max_of(n, 1);
+    out += n;
+    count -= n;
+    if (count > 0) {
+      detail::go_on(s.at.at, n);
+      s.level.start += n * s.level.step;
+    }
+  }
+}
+
+// The first pixels of [first, end) of row j of a block that lie on one whole level, or between the same two: how many; the state is set for them.
+struct level_part { int count; bool two; };
 template <filter Kind>
-[[gnu::noinline]] inline void draw_run(uint16_t* out, int first, int count, const texture_view& t, int j, state& memory) {
-  block& b = memory.coordinates;
-  level_walk& w = memory.at;
+[[gnu::noinline]] inline level_part begin_part(const texture_view& t, int j, int first, int end, state& s) {
+  block& b = s.coordinates;
+  level_walk& w = s.at;
   level_run level = level_row_at(b, j);
   level.start += detail::level_rounding(Kind);
   const auto whole_level = [&](int i) { return clamp_to((level.start + i * level.step) >> 16, -1, t.last_level()); };
-  for (const int end = first + count; first < end;) {
-    int n = end - first;
-    const int at = whole_level(first), fine = max_of(at, 0);
-    while (whole_level(first + n - 1) != at) n = (n + 1) / 2;
-    detail::set_offsets(b, fine, snap);
-    memory.fine = level_of(t, fine);
-    w.base_u = detail::base_on(fine, b.u.base);
-    w.base_v = detail::base_on(fine, b.v.base);
-    row_at(b, j, w.at);
-    if (fine != b.unit_log2) w.at = detail::scaled(w.at, fine - b.unit_log2);
-    if (first > 0) w.at = advanced(w.at, first);
-    if (Kind == filter::mip_bilinear || at < 0 || at == t.last_level()) {
-      draw_level<filter::bilinear>(out, n, memory.fine, w, memory.between);
-    } else {
-      memory.coarse = level_of(t, fine + 1);
-      draw_between(out, n, memory.fine, memory.coarse, w, {level.start + first * level.step, level.step}, memory.between);
-    }
-    first += n;
-    out += n;
-  }
+  int n = end - first;
+  const int at = whole_level(first), fine = max_of(at, 0);
+  while (whole_level(first + n - 1) != at) n = (n + 1) / 2;
+  detail::set_offsets(b, fine, snap);
+  s.fine = level_of(t, fine);
+  w.base_u = detail::base_on(fine, b.u.base);
+  w.base_v = detail::base_on(fine, b.v.base);
+  row_at(b, j, w.at);
+  if (fine != b.unit_log2) w.at = detail::scaled(w.at, fine - b.unit_log2);
+  if (first > 0) w.at = advanced(w.at, first);
+  if (Kind == filter::mip_bilinear || at < 0 || at == t.last_level()) return {n, false};
+  s.coarse = level_of(t, fine + 1);
+  s.level = {level.start + first * level.step, level.step};
+  return {n, true};
 }
 
 }  // namespace spantex::rows
