@@ -10,22 +10,26 @@ int32_t length_of(wrap mode, int32_t side) { return mode == wrap::mirror ? 2 * s
 bool power_of_two(int32_t n) { return (n & (n - 1)) == 0; }
 int32_t half(int32_t n, int shift) { return int32_t(uint32_t(n & 0xFFFF) << shift); }
 
-// Bases are taken modulo the period; what comes of it is wrapped within four periods of 0, less what the smallest level needs for a neighbour.
 static_assert(4 * (2 * max_texture_side) <= 1 << 15, "four periods of a mirrored map are still told apart in 16 bits");
-int32_t limit_of(int32_t period, int levels) { return 3 * period - (1 << levels) - 1; }
 
 }  // namespace
 
 row_levels::row_levels(const texture_view& view) {
   constexpr uint32_t exact = uint32_t(1) << 31;
-  while (count_ < view.level_count() && view.ratio_u(count_) == exact && view.ratio_v(count_) == exact) ++count_;
+  count_ = view.level_count();
+  while (exact_count_ < count_ && view.ratio_u(exact_count_) == exact && view.ratio_v(exact_count_) == exact) ++exact_count_;
   const int32_t period_u = length_of(view.wrap_u(), view.width()), period_v = length_of(view.wrap_v(), view.height());
   if (view.wrap_u() != wrap::clamp && !power_of_two(period_u)) modulo_u_ = period_u;
   if (view.wrap_v() != wrap::clamp && !power_of_two(period_v)) modulo_v_ = period_v;
   masks_only_ = view.wrap_u() != wrap::clamp && view.wrap_v() != wrap::clamp && modulo_u_ == 0 && modulo_v_ == 0;
-  if (modulo_u_ != 0) place_limit_ = min_of(place_limit_, limit_of(modulo_u_, count_));
-  if (modulo_v_ != 0) place_limit_ = min_of(place_limit_, limit_of(modulo_v_, count_));
+  int32_t limit = INT32_MAX;
   for (int k = 0; k < count_; ++k) {
+    ratio_u_[k] = view.ratio_u(k);
+    ratio_v_[k] = view.ratio_v(k);
+    // What a base is left with lies within a period of 0; a texel of the level is lost to rounding, another to a neighbour.
+    for (const int32_t side : {modulo_u_ != 0 ? length_of(view.wrap_u(), view.width(k)) : 0, modulo_v_ != 0 ? length_of(view.wrap_v(), view.height(k)) : 0})
+      if (side != 0 && !power_of_two(side)) limit = min_of(limit, k < exact_count_ ? (3 * side - 1) * (1 << k) - 1 : (3 * side - 4) * (1 << k));
+    place_limit_[k] = limit;
     add_axis(view.wrap_u(), view.width(k), k, 0);
     add_axis(view.wrap_v(), view.height(k), k, 16);
     add_texels(view, k);

@@ -23,22 +23,26 @@ class row_levels {
   explicit row_levels(const texture_view& view);
   const rgba8* texels() const { return texels_.data(); }
   int32_t value(field f, int level) const { return fields_[f][level]; }
-  int count() const { return count_; }                // of levels whose sides halve exactly, from level 0 on
+  int count() const { return count_; }
+  int exact_count() const { return exact_count_; }    // of levels whose sides halve exactly, from level 0 on
+  uint32_t ratio_u(int level) const { return ratio_u_[level]; }  // texture_view::ratio_u()
+  uint32_t ratio_v(int level) const { return ratio_v_[level]; }
   bool masks_only() const { return masks_only_; }     // both axes repeat or mirror after a power of two: k & mask is all
   bool opaque() const { return opaque_; }             // every texel of these has alpha 255
   int32_t modulo_u() const { return modulo_u_; }      // what bases are taken modulo, texels of level 0; 0 where they may stay
   int32_t modulo_v() const { return modulo_v_; }
-  // How far texels of level 0 may lie from a base, in either axis.
-  int32_t place_limit() const { return place_limit_; }
+  // How far texels of level 0 may lie from a base, in either axis, on levels up to this one.
+  int32_t place_limit(int level) const { return place_limit_[level]; }
 
  private:
   void add_axis(wrap mode, int32_t side, int level, int shift);
   void add_texels(const texture_view& view, int level);
   int32_t fields_[field_count][most] = {};
   std::vector<rgba8> texels_;
-  int count_ = 0;
+  uint32_t ratio_u_[most] = {}, ratio_v_[most] = {};
+  int count_ = 0, exact_count_ = 0;
   bool masks_only_ = true, opaque_ = true;
-  int32_t modulo_u_ = 0, modulo_v_ = 0, place_limit_ = INT32_MAX;
+  int32_t modulo_u_ = 0, modulo_v_ = 0, place_limit_[most] = {};
 };
 
 }  // namespace spantex::kernels

@@ -112,10 +112,10 @@ SPANTEX_INLINE v along(v length, v m) {
 }
 
 // Means over the rows of `width` pixels from the k-th on, of `fewest` to `most` samples. Samples 2 m and 2 m + 1 of a loop are the m-th from either end of a row;
-// positions have 14 bits of fraction, which takes nothing from what an integer number of them is snapped to.
+// positions have 14 bits of fraction, which takes nothing from what an integer number of them is snapped to, and two more for ratios.
 template <bool MasksOnly, class Shift>
 SPANTEX_INLINE v means_of_rows(const row_levels& map, const on_level<Shift>& fine, const on_level<Shift>& coarse, v fraction, const span_positions& p, const span_rows& rows, int k, int fewest, int most) {
-  static_assert(q.coordinate_bits == 14);
+  static_assert(rest_bits == 2);
   const v samples = get(rows.samples + k), pitch = look_up(of_samples.half_pitch, samples), centre_u = get(p.u + k), centre_v = get(p.v + k);
   const v minus_u = get(rows.u + k) >> 31, minus_v = get(rows.v + k) >> 31, length_u = (get(rows.u + k) ^ minus_u) - minus_u, length_v = (get(rows.v + k) ^ minus_v) - minus_v;
   const bool two = !all_equal(fraction, 0);
@@ -125,7 +125,7 @@ SPANTEX_INLINE v means_of_rows(const row_levels& map, const on_level<Shift>& fin
     add_colours(on.sums, blended(map, on.places[s % placed], level.down), v(samples > s), s < fewest);
   };
   const auto take = [&](const on_level<Shift>& level, samples_on& on, v u, v w, int s) SPANTEX_INLINED {
-    place_lanes<MasksOnly>(level, u, w, on.places[s % placed]);
+    place_lanes<MasksOnly>(level, centre_u + (u >> rest_bits), centre_v + (w >> rest_bits), p, on.places[s % placed], u & 3, w & 3);
     if (!places_first) add(level, on, s);
   };
   const auto take_both = [&](v u, v w, int s) SPANTEX_INLINED {
@@ -134,8 +134,8 @@ SPANTEX_INLINE v means_of_rows(const row_levels& map, const on_level<Shift>& fin
   };
   for (int s = 0; s < most; s += 2) {
     const v m = small_products(largest(samples - 1 - s, set(0)), pitch), u = (along(length_u, m) ^ minus_u) - minus_u, w = (along(length_v, m) ^ minus_v) - minus_v;
-    take_both(centre_u + (-u >> 2), centre_v + (-w >> 2), s);
-    if (s + 1 < most) take_both(centre_u + (u >> 2), centre_v + (w >> 2), s + 1);
+    take_both(-u, -w, s);
+    if (s + 1 < most) take_both(u, w, s + 1);
   }
   for (int s = 0; places_first && s < most; ++s) {
     add(fine, near, s);
@@ -146,6 +146,10 @@ SPANTEX_INLINE v means_of_rows(const row_levels& map, const on_level<Shift>& fin
 
 template <bool MasksOnly>
 [[gnu::noinline]] v means_by_lane(const row_levels& map, int32_t last, const span_positions& p, const span_rows& rows, int k, int fewest, int most) {
+  if (!MasksOnly && map.exact_count() <= last)
+    return each_level_in_turn(get(p.level + k) >> q.level_bits, [&](int32_t level) {
+      return means_of_rows<MasksOnly>(map, level_at_once<MasksOnly>(map, level, p), level_at_once<MasksOnly>(map, min_of(level + 1, last), p), get(p.level + k) & 255, p, rows, k, fewest, most);
+    });
   alignas(sizeof(v)) int32_t fine[width], coarse[width];
   put(fine, get(p.level + k) >> q.level_bits);
   put(coarse, least(get(fine) + 1, set(last)));
@@ -168,8 +172,10 @@ template <bool MasksOnly>
   span_rows rows;
   bool several = false;
   span_axis(q, c);
-  if (!find_shapes(c, p.level, rows, several) || !pixels.all_in()) return false;
-  if (several && !find_rows(c, 2 * max_of(0, min_of(longest_row / 2, map.place_limit() - reach_of(c))), rows)) return false;
+  if (!find_shapes(c, p.level, rows, several)) return false;
+  const int32_t limit = pixels.place_limit();
+  if (!MasksOnly && reach_of(c) > limit) return false;
+  if (several && !find_rows(c, 2 * max_of(0, min_of(longest_row / 2, limit - reach_of(c))), rows)) return false;
   write_span(work, sx, mask, [&](int k) SPANTEX_INLINED {
     const auto [fewest, most] = numbers_of(rows.samples + k);
     if (most == 1) {

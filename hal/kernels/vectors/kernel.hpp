@@ -6,25 +6,28 @@ template <filter Kind, bool MasksOnly>
 SPANTEX_INLINE bool draw_span(const row_work& work, int32_t sx, span_mask mask, span_coefficients& c) {
   span_positions p;
   find_positions<uses_levels(Kind) && Kind != filter::aniso>(c, p);
+  if constexpr (!MasksOnly) {
+    const row_levels& levels = work.texels->levels_in_rows();
+    p.origin_u = p.base_u;
+    p.origin_v = p.base_v;
+    p.base_u = modulo(c.base_u, levels.modulo_u()) * (1 << q.coordinate_bits);
+    p.base_v = modulo(c.base_v, levels.modulo_v()) * (1 << q.coordinate_bits);
+  }
   if constexpr (Kind == filter::nearest) draw_nearest<MasksOnly>(work, sx, mask, p);
 #if SPANTEX_TABLES
   else if constexpr (MasksOnly && Kind != filter::aniso) draw_by_tables<Kind>(work, sx, mask, p, c);
 #endif
   else if constexpr (Kind == filter::bilinear) draw_bilinear<MasksOnly>(work, sx, mask, p);
   else if constexpr (Kind == filter::aniso) return draw_aniso<MasksOnly>(work, sx, mask, p, c);
-  else return draw_by_level<MasksOnly, Kind == filter::trilinear>(work, sx, mask, p);
+  else return draw_by_level<MasksOnly, Kind == filter::trilinear>(work, sx, mask, p, c);
   return true;
 }
 
-// What a plan needs to know of the map. False where one period is not enough to wrap a texel.
+// What a plan needs to know of the map. False where four periods are not enough to wrap a texel of level 0.
 template <bool MasksOnly>
 SPANTEX_INLINE bool fitted(const row_work& work, span_coefficients& c) {
-  const row_levels& levels = work.texels->levels_in_rows();
   c.last_level = uint8_t(work.last_level);
-  if (MasksOnly) return true;
-  c.base_u = modulo(c.base_u, levels.modulo_u());
-  c.base_v = modulo(c.base_v, levels.modulo_v());
-  return reach_of(c) <= levels.place_limit();
+  return MasksOnly || reach_of(c) <= work.texels->levels_in_rows().place_limit(0);
 }
 
 SPANTEX_INLINE bool any_of(const span_mask* masks, int count) {

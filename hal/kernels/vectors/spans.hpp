@@ -9,11 +9,32 @@ struct on_level {
   Shift cut;
   Shift down;                          // texels from y to y + 1
   v field[row_levels::field_count];
+  // Where sides do not halve exactly (on one level in all lanes): ((what span_positions has + its origin, s15.16) ratio) >> shift, to nearest, + add.
+  bool scaled = false;
+  v ratio_u, ratio_v;
+  int shift_u, shift_v;
 };
 
 constexpr int32_t cut_of(int level) { return q.coordinate_bits - q.subtexel_bits + level; }
 SPANTEX_INLINE int32_t add_of(int level) { return (1 << (cut_of(level) - 1)) - (1 << (q.coordinate_bits - 1 + level)); }
 
+// One axis of a level whose sides do not halve exactly. Whole periods before the base are left out.
+SPANTEX_INLINE void scale_axis(int32_t origin, uint32_t ratio, int32_t period, int level, v& ratios, int& shift, v& add) {
+  const bool exact = ratio >> 31 != 0;  // half of it then, so that it has a sign
+  ratios = set(int32_t(exact ? ratio >> 1 : ratio));
+  shift = 16 + 31 - q.subtexel_bits + level - exact;
+  const int32_t texel = int32_t((int64_t(origin) * ratio) >> (q.coordinate_bits + 31 + level)), turned = period == 0 ? 0 : texel - modulo(texel, period);
+  add = set(-(1 << (q.subtexel_bits - 1)) - turned * (1 << q.subtexel_bits));
+}
+
+[[gnu::noinline]] void scale_level(const row_levels& map, int level, const span_positions& p, on_level<int32_t>& l) {
+  const uint32_t period = uint32_t(map.value(row_levels::period, level));
+  l.scaled = true;
+  scale_axis(p.origin_u, map.ratio_u(level), int32_t(period & 0xFFFF), level, l.ratio_u, l.shift_u, l.add_u);
+  scale_axis(p.origin_v, map.ratio_v(level), int32_t(period >> 16), level, l.ratio_v, l.shift_v, l.add_v);
+}
+
+template <bool MasksOnly>
 SPANTEX_INLINE on_level<int32_t> level_at_once(const row_levels& map, int level, const span_positions& p) {
   on_level<int32_t> l;
   l.cut = cut_of(level);
@@ -21,6 +42,7 @@ SPANTEX_INLINE on_level<int32_t> level_at_once(const row_levels& map, int level,
   l.add_v = set(add_of(level) + p.base_v);
   l.down = map.value(row_levels::step, level) >> 16;
   for (int k = 0; k < row_levels::field_count; ++k) l.field[k] = set(map.value(row_levels::field(k), level));
+  if (!MasksOnly && level >= map.exact_count()) [[unlikely]] scale_level(map, level, p, l);
   return l;
 }
 
@@ -59,12 +81,21 @@ SPANTEX_INLINE v places_of(v texels, const on_level<Shift>& l) {
   return products(wrapped_texel<MasksOnly>(texels, l), l.field[row_levels::step]) + l.field[row_levels::origin];
 }
 
+// What positions have below span_positions' last bit, where they have it: only products with ratios tell.
+constexpr int rest_bits = 16 - q.coordinate_bits;
+
 // Where `width` lanes have their four texels on a level: the upper left ones' places in the map; weights of 128, u in the lower half, v in the upper.
 struct alignas(sizeof(v)) lanes_places { int32_t top[width], fraction[width]; };
 
 template <bool MasksOnly, class Shift>
-SPANTEX_INLINE void place_lanes(const on_level<Shift>& l, v position_u, v position_v, lanes_places& out) {
-  const v u = (position_u + l.add_u) >> l.cut, w = (position_v + l.add_v) >> l.cut;
+SPANTEX_INLINE void place_lanes(const on_level<Shift>& l, v position_u, v position_v, const span_positions& p, lanes_places& out, v rest_u = v{}, v rest_v = v{}) {
+  v u = (position_u + l.add_u) >> l.cut, w = (position_v + l.add_v) >> l.cut;
+  if constexpr (!MasksOnly && sizeof(Shift) == sizeof(int32_t)) {
+    if (l.scaled) {
+      u = narrowed(signed_products(((position_u + p.origin_u) << rest_bits) + rest_u, l.ratio_u), l.shift_u) + l.add_u;
+      w = narrowed(signed_products(((position_v + p.origin_v) << rest_bits) + rest_v, l.ratio_v), l.shift_v) + l.add_v;
+    }
+  }
   put(out.top, places_of<MasksOnly>(halves(u >> q.subtexel_bits, w << (16 - q.subtexel_bits)), l));
   put(out.fraction, halves(u, w << 16) & 0x007F007F);
 }
@@ -81,9 +112,9 @@ SPANTEX_INLINE blends blended(const row_levels& map, const lanes_places& at, v d
 }
 
 template <bool MasksOnly, class Shift>
-SPANTEX_INLINE blends blended_at(const row_levels& map, const on_level<Shift>& l, v position_u, v position_v) {
+SPANTEX_INLINE blends blended_at(const row_levels& map, const on_level<Shift>& l, v position_u, v position_v, const span_positions& p) {
   lanes_places at;
-  place_lanes<MasksOnly>(l, position_u, position_v, at);
+  place_lanes<MasksOnly>(l, position_u, position_v, p, at);
   return blended(map, at, l.down);
 }
 
@@ -91,9 +122,31 @@ SPANTEX_INLINE blends blended_at(const row_levels& map, const on_level<Shift>& l
 template <bool MasksOnly, bool TwoLevels>
 [[gnu::noinline]] v pixels_by_lane(const row_levels& map, const int32_t* fine, const int32_t* coarse, const span_positions& p, int n, v fraction) {
   const v u = get(p.u + width * n), w = get(p.v + width * n);
-  const blends near = blended_at<MasksOnly>(map, level_by_lane(map, fine, p), u, w);
-  if constexpr (TwoLevels) return pixels_between(near, blended_at<MasksOnly>(map, level_by_lane(map, coarse, p), u, w), fraction);
+  const blends near = blended_at<MasksOnly>(map, level_by_lane(map, fine, p), u, w, p);
+  if constexpr (TwoLevels) return pixels_between(near, blended_at<MasksOnly>(map, level_by_lane(map, coarse, p), u, w, p), fraction);
   else return pixels_of(near);
+}
+
+// The same for levels whose sides do not halve exactly: by each that a lane is on, of which the lanes on it are taken. on(level): all lanes' values on it.
+SPANTEX_INLINE v each_level_in_turn(v whole, auto&& on) {
+  alignas(sizeof(v)) int32_t level[width];
+  put(level, whole);
+  v out = on(level[0]);
+  for (int k = 1; k < width; ++k) {
+    bool drawn = false;
+    for (int before = 0; before < k; ++before) drawn |= level[before] == level[k];
+    if (!drawn) out = whole == set(level[k]) ? on(level[k]) : out;
+  }
+  return out;
+}
+template <bool TwoLevels>
+[[gnu::noinline]] v pixels_in_turn(const row_levels& map, v whole, int32_t last, const span_positions& p, int n, v fraction) {
+  const v u = get(p.u + width * n), w = get(p.v + width * n);
+  return each_level_in_turn(whole, [&](int32_t level) {
+    const blends near = blended_at<false>(map, level_at_once<false>(map, level, p), u, w, p);
+    if constexpr (TwoLevels) return pixels_between(near, blended_at<false>(map, level_at_once<false>(map, min_of(level + 1, last), p), u, w, p), fraction);
+    else return pixels_of(near);
+  });
 }
 
 // A row's part to where the mask has pixels.
@@ -139,7 +192,7 @@ SPANTEX_INLINE void draw_groups(const row_work& work, int32_t sx, span_mask mask
 template <bool MasksOnly>
 SPANTEX_INLINE void draw_nearest(const row_work& work, int32_t sx, span_mask mask, const span_positions& p) {
   const row_levels& map = work.texels->levels_in_rows();
-  const on_level<int32_t> l = level_at_once(map, 0, p);
+  const on_level<int32_t> l = level_at_once<MasksOnly>(map, 0, p);
   const v base = halves(set(p.base_u >> q.coordinate_bits), set(p.base_v << (16 - q.coordinate_bits)));
   alignas(sizeof(v)) int32_t places[placed_groups][width];
   const auto place = [&](int n) SPANTEX_INLINED {
@@ -152,9 +205,9 @@ SPANTEX_INLINE void draw_nearest(const row_work& work, int32_t sx, span_mask mas
 template <bool MasksOnly>
 SPANTEX_INLINE void draw_bilinear(const row_work& work, int32_t sx, span_mask mask, const span_positions& p) {
   const row_levels& map = work.texels->levels_in_rows();
-  const on_level<int32_t> l = level_at_once(map, 0, p);
+  const on_level<int32_t> l = level_at_once<MasksOnly>(map, 0, p);
   lanes_places places[placed_groups];
-  draw_groups(work, sx, mask, [&](int n) SPANTEX_INLINED { place_lanes<MasksOnly>(l, get(p.u + width * n), get(p.v + width * n), places[n % placed_groups]); },
+  draw_groups(work, sx, mask, [&](int n) SPANTEX_INLINED { place_lanes<MasksOnly>(l, get(p.u + width * n), get(p.v + width * n), p, places[n % placed_groups]); },
               [&](int n) SPANTEX_INLINED { return pixels_of(blended(map, places[n % placed_groups], l.down)); });
 }
 
@@ -168,12 +221,12 @@ class pixels_on_levels {
  public:
   SPANTEX_INLINE pixels_on_levels(const row_work& work, const span_positions& p) : map_(work.texels->levels_in_rows()), positions_(p), last_(work.last_level) {}
 
-  // False where pixels lie on levels that are no exact halves.
-  SPANTEX_INLINE bool all_in() const {
-    if (map_.count() > last_) return true;
-    bool in = true;
-    for (int k = 0; k < span_pixel_count; ++k) in &= min_of(whole_level<TwoLevels>(positions_.level[k]) + (TwoLevels ? 1 : 0), last_) < map_.count();
-    return in;
+  // How far texels may lie from the base on the levels that the span takes.
+  SPANTEX_INLINE int32_t place_limit() const {
+    if (MasksOnly || map_.place_limit(last_) == map_.place_limit(0)) return map_.place_limit(0);
+    int32_t most = 0;
+    for (int k = 0; k < span_pixel_count; ++k) most = max_of(most, whole_level<TwoLevels>(int32_t(positions_.level[k])));
+    return map_.place_limit(min_of(most + (TwoLevels ? 1 : 0), last_));
   }
 
   SPANTEX_INLINE void place(int n) {
@@ -183,11 +236,11 @@ class pixels_on_levels {
     g.taken = levels_taken::several;
     if (!all_equal(whole, first)) [[unlikely]] return;
     hold(first);
-    place_lanes<MasksOnly>(near_, u, w, g.near);
+    place_lanes<MasksOnly>(near_, u, w, positions_, g.near);
     g.near_down = near_.down;
     g.taken = levels_taken::one;
     if (!TwoLevels || all_equal(level & 255, 0)) return;
-    place_lanes<MasksOnly>(far_, u, w, g.far);
+    place_lanes<MasksOnly>(far_, u, w, positions_, g.far);
     g.far_down = far_.down;
     g.taken = levels_taken::two;
   }
@@ -205,8 +258,8 @@ class pixels_on_levels {
   SPANTEX_INLINE void hold(int32_t level) {
     if (level == held_) return;
     held_ = level;
-    near_ = level_at_once(map_, level, positions_);
-    if (TwoLevels) far_ = level_at_once(map_, min_of(level + 1, last_), positions_);
+    near_ = level_at_once<MasksOnly>(map_, level, positions_);
+    if (TwoLevels) far_ = level_at_once<MasksOnly>(map_, min_of(level + 1, last_), positions_);
   }
   SPANTEX_INLINE const on_level<int32_t>& near() const { return near_; }
   SPANTEX_INLINE const on_level<int32_t>& far() const { return far_; }
@@ -221,6 +274,7 @@ class pixels_on_levels {
 
   SPANTEX_INLINE v by_lane(int n) const {
     const v level = get(positions_.level + width * n), whole = whole_level<TwoLevels>(level);
+    if (!MasksOnly && map_.exact_count() <= last_) return pixels_in_turn<TwoLevels>(map_, whole, last_, positions_, n, level & 255);
     alignas(sizeof(v)) int32_t fine[width], coarse[width];
     put(fine, whole);
     put(coarse, least(whole + 1, set(last_)));
@@ -235,9 +289,9 @@ class pixels_on_levels {
 };
 
 template <bool MasksOnly, bool TwoLevels>
-SPANTEX_INLINE bool draw_by_level(const row_work& work, int32_t sx, span_mask mask, const span_positions& p) {
+SPANTEX_INLINE bool draw_by_level(const row_work& work, int32_t sx, span_mask mask, const span_positions& p, const span_coefficients& c) {
   pixels_on_levels<MasksOnly, TwoLevels> pixels(work, p);
-  if (!pixels.all_in()) return false;
+  if (!MasksOnly && reach_of(c) > pixels.place_limit()) return false;
   draw_groups(work, sx, mask, [&](int n) SPANTEX_INLINED { pixels.place(n); }, [&](int n) SPANTEX_INLINED { return pixels.at(n); });
   return true;
 }

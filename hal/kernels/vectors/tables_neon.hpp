@@ -239,7 +239,7 @@ template <filter Kind>
   if (!uses_levels(Kind)) pixels.hold(0);
   for (int r = 0; r < quad_side; ++r, k += width, to += work.stride) {
     if (uses_levels(Kind)) pixels.place(k / width);
-    write(to, uint32_t(of_quad >> (span_side * r)), uses_levels(Kind) ? pixels.at(k / width) : pixels_of(blended_at<true>(map, pixels.near(), get(p.u + k), get(p.v + k))));
+    write(to, uint32_t(of_quad >> (span_side * r)), uses_levels(Kind) ? pixels.at(k / width) : pixels_of(blended_at<true>(map, pixels.near(), get(p.u + k), get(p.v + k), p)));
   }
 }
 
