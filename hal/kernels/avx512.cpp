@@ -110,7 +110,6 @@ SPANTEX_INLINE void draw_batch(const row_work& work, const batch& b, uint32_t sp
 template <filter Kind, int Channels>
 SPANTEX_INLINE void draw_batch_on_levels(const row_work& work, const batch& b, uint32_t spans, next_batch<Kind>& next) {
   constexpr bool two = Kind == filter::trilinear;
-  const planar_map& map = *work.texels;
   level_span of[batch_size];
   const auto each = [](uint32_t some, auto&& step) SPANTEX_INLINED {
     for (int k = 0; k < batch_size; ++k)
@@ -127,11 +126,10 @@ SPANTEX_INLINE void draw_batch_on_levels(const row_work& work, const batch& b, u
       levels_of(work, of[k].lengths, b.slope_log2[k], o.e, of[k].level);
   });
   next.part(1);
-  if (map.exact()) [[likely]] each(spans, [&](int k) SPANTEX_INLINED { place_span<two>(work, b, k, of[k]); });
+  each(spans, [&](int k) SPANTEX_INLINED { place_span<two>(work, b, k, of[k]); });
   next.part(2);
   each(spans, [&](int k) SPANTEX_INLINED {
-    const bool drawn = map.exact() ? blend_span<two, Channels>(work, b, k, of[k]) : draw_anywhere<two>(work, b, k, of[k]);
-    if (!drawn) work.left[b.first + k] = true;
+    if (!blend_span<two, Channels>(work, b, k, of[k])) work.left[b.first + k] = true;
   });
 }
 
@@ -163,9 +161,10 @@ void draw_row(const row_work& work) {
 
 }  // namespace by_blocks
 
-// What local memory does not hold is drawn from the map's rows.
+// What local memory does not hold, and levels whose sides do not halve exactly, are drawn from the map's rows.
 template <filter Kind>
 void draw_row(const row_work& work) {
+  if (uses_levels(Kind) && !work.texels->exact()) return by_rows::draw_any_row(work);
   by_blocks::draw_row<Kind>(work);
   span_mask rest[max_row_spans];
   int from = work.count, to = 0;

@@ -103,6 +103,28 @@ SPANTEX_CASE(minified_planes) {
   }
 }
 
+// Sides whose halves are rounded down: positions on their levels are products, of positions from the origin, however far.
+SPANTEX_CASE(levels_that_do_not_halve_exactly) {
+  static constexpr int32_t sides[][2] = {{500, 375}, {640, 480}, {100, 37}, {7, 300}};
+  for (const auto& side : sides)
+    for (const wrap w : wraps) {
+      const ready_map map(random_map(side[0], side[1]), w);
+      for (const double far : {0.0, 19777.3, -20011.9})
+        for (const double scale : {0.6, 3.1, 11.0}) {
+          const double stretch = scale < 3 ? 4.3 : 1;  // rows of samples
+          const double m[9] = {0.81 * scale * stretch, 0.33 * scale * stretch, far, -0.29 * scale, 0.77 * scale, 0.7 * far + 13, 0.0003, 0.0007, 1};
+          plane p{};
+          SPANTEX_ASSERT_OK(make_plane(homography_of(m), {0, 0, 96, 40}, p));
+          for (const filter kind : {filter::mip_bilinear, filter::trilinear, filter::aniso}) draw_all(p, map, kind, {0, 0, 96, 40}, 96, 40);
+        }
+    }
+  for (const wrap w : wraps) {
+    const ready_map map(random_map(500, 375), w);
+    for (const filter kind : filters)
+      for (int k = 0; k < 2; ++k) draw_all(sample_plane(k), map, kind, {0, 0, 640, 480}, 640, 480, 4800 / 100);
+  }
+}
+
 // Rows of samples on maps whose period is little more than a span, or less.
 SPANTEX_CASE(long_rows_on_small_maps) {
   static constexpr int32_t sides[][2] = {{496, 80}, {48, 480}, {80, 80}, {256, 16}};
@@ -241,6 +263,7 @@ int main() {
       cmocka_unit_test(ordinary_planes_are_drawn_by_the_kernel_alone),
       cmocka_unit_test(random_planes_and_maps_of_any_size),
       cmocka_unit_test(minified_planes),
+      cmocka_unit_test(levels_that_do_not_halve_exactly),
       cmocka_unit_test(long_rows_on_small_maps),
       cmocka_unit_test(rows_beyond_a_period),
       cmocka_unit_test(texels_after_the_division),

@@ -173,8 +173,8 @@ template <int Channels>
     const __mmask16 lanes = _mm512_cmpgt_epi32_mask(s.samples[n], set32(k)), both = __mmask16(lanes & between);
     if (lanes == 0) break;
     const texels16 at = s.sample(n, k);
-    if (!blend_anywhere<up_between>(map, on_levels(map, at, fine_level), fine_level, lanes, 1 << 7, fine)) return false;
-    if (both != 0 && !blend_anywhere<up_between>(map, on_levels(map, at, coarse_level), coarse_level, both, 1 << 7, coarse)) return false;
+    if (!blend_anywhere<up_between>(map, on_levels(at, fine_level), fine_level, lanes, 1 << 7, fine)) return false;
+    if (both != 0 && !blend_anywhere<up_between>(map, on_levels(at, coarse_level), coarse_level, both, 1 << 7, coarse)) return false;
     const v16 counted = _mm512_maskz_mov_epi32(lanes, weights);
 #pragma GCC unroll 4
     for (int m = 0; m < Channels; ++m) sum[m] = as.summed(sum[m], fine[m], coarse[m], counted);
@@ -215,7 +215,6 @@ template <int Channels>
 SPANTEX_INLINE bool draw_rows(const row_work& work, const batch& b, int k, const offsets& o, const v16 (&nu)[quads], const v16 (&nv)[quads], row_span& s) {
   constexpr int32_t half_of_longest = longest_row << 15;
   const int drop = b.axis_exponent[k] - 17;  // 3 or more
-  if (!work.texels->exact()) return false;
   const bool affine = b.terms[k] == 0;
   v16 far_u[quads], far_v[quads];
   __mmask16 beyond = 0;

@@ -183,7 +183,7 @@ template <bool TwoLevels, taken Levels, int Channels>
   using blender = quad_blender<TwoLevels, Levels, Channels, false>;
   const blender blended(map.blocks());
   v16 fine[Channels];
-  if (!blend_anywhere<blender::up>(map, on_levels(map, texels_of(p), first), first, __mmask16(~others), TwoLevels ? 1 << 7 : before_even, fine)) return false;
+  if (!blend_anywhere<blender::up>(map, on_levels(texels_of(p), first), first, __mmask16(~others), TwoLevels ? 1 << 7 : before_even, fine)) return false;
   out = blended.finished(s, n, p.u, p.v, s.level[n], fine);
   return true;
 }
@@ -225,26 +225,9 @@ SPANTEX_INLINE bool blend_span(const row_work& work, const batch& b, int k, cons
   return s.one_level ? by_width.template operator()<taken::one>() : by_width.template operator()<taken::all>();
 }
 
-// Levels that are no exact halves of each other.
-template <bool TwoLevels>
-[[gnu::noinline]] bool draw_anywhere(const row_work& work, const batch& b, int k, level_span& s) {
-  const span_mask mask = work.masks[b.first + k];
-  v16 out[quads] = {};
-  shorten(work.last_level, s.u, s.v, s.bits, s.half);
-#pragma GCC unroll 1
-  for (int n = 0; n < quads; ++n) {
-    if ((mask & pixels_of(n)) == 0) continue;
-    if (!by_level_anywhere<TwoLevels>(*work.texels, positions_of(b, k, s, n), work.last_level, whole_of<TwoLevels>(s.level[n]), _mm512_and_si512(s.level[n], set32(255)), out[n]))
-      return false;
-  }
-  write(work, b.sx + k, mask, out);
-  return true;
-}
-
 // Pixels whose positions and levels are known.
 template <bool TwoLevels, int Channels>
 SPANTEX_INLINE bool draw_at_levels(const row_work& work, const batch& b, int k, level_span& s) {
-  if (!work.texels->exact()) [[unlikely]] return draw_anywhere<TwoLevels>(work, b, k, s);
   place_span<TwoLevels>(work, b, k, s);
   return blend_span<TwoLevels, Channels>(work, b, k, s);
 }

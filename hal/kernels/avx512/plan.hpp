@@ -135,8 +135,7 @@ SPANTEX_INLINE void plan_mantissas(const row_work& work, setup& s, batch& b) {
   s.g = quotient8(gx, set(slope_drop), s.inverse.y, slope_shift);
   s.h = quotient8(gy, set(slope_drop), s.inverse.y, slope_shift);
   keep(b.g, s.g); keep(b.h, s.h); keep(b.exponent, s.exponent);
-  const bool modular = work.texels->exact() || !uses_levels(Kind);  // a level whose side is not exact has a period of its own
-  keep(b.base_u, modulo(s.base_u, modular ? work.texels->period_u() : 0)); keep(b.base_v, modulo(s.base_v, modular ? work.texels->period_v() : 0));
+  keep(b.base_u, modulo(s.base_u, work.texels->period_u())); keep(b.base_v, modulo(s.base_v, work.texels->period_v()));
   if (p.rounding_bits == 0) return;
   // rounding_is_small()
   const v8 reached = _mm512_sllv_epi64(of64<2>(), _mm512_max_epi64(_mm512_sub_epi64(of64<q.offset_bits - 1>(), s.exponent), zero));

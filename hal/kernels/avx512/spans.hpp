@@ -14,22 +14,8 @@ SPANTEX_INLINE texels16 texels_of(const positions& p) {
   return {at(p.u, p.base_u), at(p.v, p.base_v)};
 }
 
-// on_level() where sides are not exact.
-[[gnu::noinline]] v16 on_inexact_levels(v16 position, const int32_t (&ratios)[max_planar_levels], v16 level) {
-  const v16 ratio = _mm512_permutexvar_epi32(level, _mm512_load_si512(ratios));
-  const auto one = [&](v8 p, v8 r, v8 l) {
-    const v8 half = _mm512_sllv_epi64(of64<int64_t(1) << 39>(), l), from = _mm512_sub_epi64(half, _mm512_slli_epi64(half, q.subtexel_bits));
-    return _mm512_srav_epi64(_mm512_add_epi64(_mm512_mullo_epi64(p, r), from), _mm512_add_epi64(l, of64<40>()));
-  };
-  const auto low = [&](v16 x) { return _mm512_and_si512(x, of64<0xFFFFFFFF>()); };
-  const auto high = [&](v16 x) { return _mm512_srli_epi64(x, 32); };
-  const v8 even = one(_mm512_srai_epi64(_mm512_slli_epi64(position, 32), 32), low(ratio), low(level)), odd = one(_mm512_srai_epi64(position, 32), high(ratio), high(level));
-  return _mm512_mask_mov_epi32(even, 0xAAAA, _mm512_slli_epi64(odd, 32));
-}
-
 // On each lane's level, less half a texel, 7 bits of fraction.
-SPANTEX_INLINE texels16 on_levels(const planar_map& map, texels16 p, v16 level) {
-  if (!map.exact()) [[unlikely]] return {on_inexact_levels(p.u, map.levels().ratio_u, level), on_inexact_levels(p.v, map.levels().ratio_v, level)};
+SPANTEX_INLINE texels16 on_levels(texels16 p, v16 level) {
   const v16 half = _mm512_sllv_epi32(of32<1 << 8>(), level), from = _mm512_sub_epi32(half, _mm512_slli_epi32(half, q.subtexel_bits)), drop = _mm512_add_epi32(level, of32<9>());
   return {_mm512_srav_epi32(_mm512_add_epi32(p.u, from), drop), _mm512_srav_epi32(_mm512_add_epi32(p.v, from), drop)};
 }
@@ -151,10 +137,10 @@ template <bool TwoLevels>
   constexpr int32_t rounding = TwoLevels ? 1 << 7 : before_even;
   texels16 at = texels_of(p);
   v16 fine[channel_count], coarse[channel_count];
-  if (!blend_anywhere<up>(map, on_levels(map, at, whole), whole, 0xFFFF, rounding, fine)) return false;
+  if (!blend_anywhere<up>(map, on_levels(at, whole), whole, 0xFFFF, rounding, fine)) return false;
   if constexpr (TwoLevels) {
     const v16 next = _mm512_min_epi32(_mm512_add_epi32(whole, of32<1>()), set32(last_level));
-    if (!blend_anywhere<up>(map, on_levels(map, at, next), next, 0xFFFF, rounding, coarse)) return false;
+    if (!blend_anywhere<up>(map, on_levels(at, next), next, 0xFFFF, rounding, coarse)) return false;
   }
   const colouring as;
   for (int k = 0; k < channel_count; ++k) fine[k] = TwoLevels ? as.between_levels(fine[k], coarse[k], as.level_weights(fraction)) : as.even(fine[k]);
