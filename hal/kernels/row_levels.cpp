@@ -22,14 +22,20 @@ row_levels::row_levels(const texture_view& view) {
   if (view.wrap_u() != wrap::clamp && !power_of_two(period_u)) modulo_u_ = period_u;
   if (view.wrap_v() != wrap::clamp && !power_of_two(period_v)) modulo_v_ = period_v;
   masks_only_ = view.wrap_u() != wrap::clamp && view.wrap_v() != wrap::clamp && modulo_u_ == 0 && modulo_v_ == 0;
-  int32_t limit = INT32_MAX;
+  if (const int32_t longest = max_of(modulo_u_, modulo_v_); longest != 0)
+    while (longest << (far_doublings_ + 3) <= 1 << 15) ++far_doublings_;
+  int32_t limit[2] = {INT32_MAX, INT32_MAX};
   for (int k = 0; k < count_; ++k) {
     ratio_u_[k] = view.ratio_u(k);
     ratio_v_[k] = view.ratio_v(k);
     // What a base is left with lies within a period of 0; a texel of the level is lost to rounding, another to a neighbour.
     for (const int32_t side : {modulo_u_ != 0 ? length_of(view.wrap_u(), view.width(k)) : 0, modulo_v_ != 0 ? length_of(view.wrap_v(), view.height(k)) : 0})
-      if (side != 0 && !power_of_two(side)) limit = min_of(limit, k < exact_count_ ? (3 * side - 1) * (1 << k) - 1 : (3 * side - 4) * (1 << k));
-    place_limit_[k] = limit;
+      for (int far = 0; far < 2 && side != 0 && !power_of_two(side); ++far) {
+        const int32_t texels = ((far ? 4 << far_doublings_ : 4) - 1) * side;
+        limit[far] = min_of(limit[far], k < exact_count_ ? (texels - 1) * (1 << k) - 1 : (texels - 4) * (1 << k));
+      }
+    limit_[0][k] = limit[0];
+    limit_[1][k] = limit[1];
     add_axis(view.wrap_u(), view.width(k), k, 0);
     add_axis(view.wrap_v(), view.height(k), k, 16);
     add_texels(view, k);

@@ -13,7 +13,7 @@ namespace spantex::kernels {
 
 // A texel's place (x, y) is two 16-bit numbers in 32 bits, x in the lower half. To wrap it on a level, half by half:
 //   min(k, k + 4 period), min(k, k - 2 period) and min(k, k - period), unsigned; & mask; max(k, low), min(k, high), signed
-// for k from -4 to 4 periods, which is what place_limit() lets through.
+// for k from -4 to 4 periods, which is what near_limit() lets through; far_limit() what 2^far_doublings times as many do, from min(k, k + 2^n 4 period) on.
 class row_levels {
  public:
   static constexpr int most = 16;
@@ -32,7 +32,9 @@ class row_levels {
   int32_t modulo_u() const { return modulo_u_; }      // what bases are taken modulo, texels of level 0; 0 where they may stay
   int32_t modulo_v() const { return modulo_v_; }
   // How far texels of level 0 may lie from a base, in either axis, on levels up to this one.
-  int32_t place_limit(int level) const { return place_limit_[level]; }
+  int32_t near_limit(int level) const { return limit_[0][level]; }
+  int32_t far_limit(int level) const { return limit_[1][level]; }
+  int far_doublings() const { return far_doublings_; }
 
  private:
   void add_axis(wrap mode, int32_t side, int level, int shift);
@@ -42,7 +44,7 @@ class row_levels {
   uint32_t ratio_u_[most] = {}, ratio_v_[most] = {};
   int count_ = 0, exact_count_ = 0;
   bool masks_only_ = true, opaque_ = true;
-  int32_t modulo_u_ = 0, modulo_v_ = 0, place_limit_[most] = {};
+  int32_t modulo_u_ = 0, modulo_v_ = 0, limit_[2][most] = {}, far_doublings_ = 0;
 };
 
 }  // namespace spantex::kernels

@@ -137,13 +137,16 @@ SPANTEX_CASE(long_rows_on_small_maps) {
 
 // Spans that reach as far as one period lets them, and rows of samples further; of one level, as sides that do not halve have no more here.
 SPANTEX_CASE(rows_beyond_a_period) {
-  synthetic_map one = random_map(69, 69);
-  one.levels.resize(1);
-  const ready_map map(one, wrap::repeat);
-  const double m[9] = {18.0, 0.1, 0.3, 0.05, 0.9, 0.2, 0, 0, 1};
-  plane p{};
-  SPANTEX_ASSERT_OK(make_plane(homography_of(m), {0, 0, 640, 16}, p));
-  draw_all(p, map, filter::aniso, {0, 0, 640, 16}, 640, 16);
+  static constexpr struct { int32_t side; double step; } every[] = {{69, 18.0}, {45, 36.3}};
+  for (const auto [side, step] : every) {
+    synthetic_map one = random_map(side, side);
+    one.levels.resize(1);
+    const ready_map map(one, wrap::repeat);
+    const double m[9] = {step, 0.1, 0.3, 0.05, 0.9, 0.2, 0, 0, 1};
+    plane p{};
+    SPANTEX_ASSERT_OK(make_plane(homography_of(m), {0, 0, 640, 16}, p));
+    draw_all(p, map, filter::aniso, {0, 0, 640, 16}, 640, 16);
+  }
 }
 
 // Offsets grow where they are divided by w < 1: past what a period wraps, and past the range of coordinates.

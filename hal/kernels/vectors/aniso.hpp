@@ -173,9 +173,13 @@ template <bool MasksOnly>
   bool several = false;
   span_axis(q, c);
   if (!find_shapes(c, p.level, rows, several)) return false;
-  const int32_t limit = pixels.place_limit();
-  if (!MasksOnly && reach_of(c) > limit) return false;
-  if (several && !find_rows(c, 2 * max_of(0, min_of(longest_row / 2, limit - reach_of(c))), rows)) return false;
+  const int coarsest = MasksOnly ? 0 : pixels.coarsest();
+  if (!MasksOnly && !in_reach(map, coarsest, reach_of(c), p)) return false;
+  const auto rows_within = [&](int32_t limit) SPANTEX_INLINED { return find_rows(c, 2 * max_of(0, min_of(longest_row / 2, limit - reach_of(c))), rows); };
+  if (several && (p.far || !rows_within(map.near_limit(coarsest)))) {
+    p.far = true;
+    if (MasksOnly || !rows_within(map.far_limit(coarsest))) return false;
+  }
   write_span(work, sx, mask, [&](int k) SPANTEX_INLINED {
     const auto [fewest, most] = numbers_of(rows.samples + k);
     if (most == 1) {

@@ -5,6 +5,7 @@
 template <filter Kind, bool MasksOnly>
 SPANTEX_INLINE bool draw_span(const row_work& work, int32_t sx, span_mask mask, span_coefficients& c) {
   span_positions p;
+  p.far = false;
   find_positions<uses_levels(Kind) && Kind != filter::aniso>(c, p);
   if constexpr (!MasksOnly) {
     const row_levels& levels = work.texels->levels_in_rows();
@@ -12,6 +13,7 @@ SPANTEX_INLINE bool draw_span(const row_work& work, int32_t sx, span_mask mask, 
     p.origin_v = p.base_v;
     p.base_u = modulo(c.base_u, levels.modulo_u()) * (1 << q.coordinate_bits);
     p.base_v = modulo(c.base_v, levels.modulo_v()) * (1 << q.coordinate_bits);
+    if (!in_reach(levels, 0, reach_of(c), p)) return false;
   }
   if constexpr (Kind == filter::nearest) draw_nearest<MasksOnly>(work, sx, mask, p);
 #if SPANTEX_TABLES
@@ -21,13 +23,6 @@ SPANTEX_INLINE bool draw_span(const row_work& work, int32_t sx, span_mask mask, 
   else if constexpr (Kind == filter::aniso) return draw_aniso<MasksOnly>(work, sx, mask, p, c);
   else return draw_by_level<MasksOnly, Kind == filter::trilinear>(work, sx, mask, p, c);
   return true;
-}
-
-// What a plan needs to know of the map. False where four periods are not enough to wrap a texel of level 0.
-template <bool MasksOnly>
-SPANTEX_INLINE bool fitted(const row_work& work, span_coefficients& c) {
-  c.last_level = uint8_t(work.last_level);
-  return MasksOnly || reach_of(c) <= work.texels->levels_in_rows().place_limit(0);
 }
 
 SPANTEX_INLINE bool any_of(const span_mask* masks, int count) {
@@ -50,7 +45,7 @@ void draw_row(const row_work& work) {
     }
     plans.next(count, c, usable);
     for (int k = 0; k < count; ++k) {
-      usable[k] = usable[k] && fitted<MasksOnly>(work, c[k]);
+      c[k].last_level = uint8_t(work.last_level);
       if constexpr (uses_levels(Kind) && Kind != filter::aniso)
         if (usable[k]) plan_levels(c[k]);
     }

@@ -13,6 +13,7 @@ struct on_level {
   bool scaled = false;
   v ratio_u, ratio_v;
   int shift_u, shift_v;
+  int doublings = 0;                   // row_levels::far_doublings() where texels lie farther than near_limit()
 };
 
 constexpr int32_t cut_of(int level) { return q.coordinate_bits - q.subtexel_bits + level; }
@@ -42,7 +43,10 @@ SPANTEX_INLINE on_level<int32_t> level_at_once(const row_levels& map, int level,
   l.add_v = set(add_of(level) + p.base_v);
   l.down = map.value(row_levels::step, level) >> 16;
   for (int k = 0; k < row_levels::field_count; ++k) l.field[k] = set(map.value(row_levels::field(k), level));
-  if (!MasksOnly && level >= map.exact_count()) [[unlikely]] scale_level(map, level, p, l);
+  if (!MasksOnly) {
+    if (p.far) l.doublings = map.far_doublings();
+    if (level >= map.exact_count()) [[unlikely]] scale_level(map, level, p, l);
+  }
   return l;
 }
 
@@ -59,6 +63,7 @@ SPANTEX_INLINE on_level<int32_t> level_at_once(const row_levels& map, int level,
   l.cut = get(lane[1]);
   for (int k = 0; k < row_levels::field_count; ++k) l.field[k] = get(lane[2 + k]);
   l.down = l.field[row_levels::step] >> 16;
+  if (p.far) l.doublings = map.far_doublings();
   return l;
 }
 
@@ -69,7 +74,17 @@ SPANTEX_INLINE v wrapped_texel(v at, const on_level<Shift>& l) {
   if constexpr (MasksOnly) return at & kept;
   const v turn = l.field[row_levels::period];
   const v two = add16(turn, turn);
-  at = least16_unsigned(at, add16(at, add16(two, two)));
+  v four = add16(two, two);
+  if (l.doublings > 0) [[unlikely]] {
+    for (int k = 0; k < l.doublings; ++k) four = add16(four, four);
+    at = least16_unsigned(at, add16(at, four));
+    for (int k = 0; k < l.doublings; ++k) {
+      four = v(v_unsigned(four) >> 1);
+      at = least16_unsigned(at, subtract16(at, four));
+    }
+  } else {
+    at = least16_unsigned(at, add16(at, four));
+  }
   at = least16_unsigned(at, subtract16(at, two));
   at = least16_unsigned(at, subtract16(at, turn)) & kept;
   return least16(largest16(at, l.field[row_levels::low]), l.field[row_levels::high]);
@@ -211,6 +226,12 @@ SPANTEX_INLINE void draw_bilinear(const row_work& work, int32_t sx, span_mask ma
               [&](int n) SPANTEX_INLINED { return pixels_of(blended(map, places[n % placed_groups], l.down)); });
 }
 
+// False where texels so far from the base are not wrapped on levels up to this one; else whether it takes more than the usual.
+SPANTEX_INLINE bool in_reach(const row_levels& map, int level, int32_t reach, span_positions& p) {
+  p.far = reach > map.near_limit(level);
+  return !p.far || reach <= map.far_limit(level);
+}
+
 // integer_level() of a level of detail, lanes or one: ceil(d + 1/2) - 1 is floor(d + 127/256).
 template <bool TwoLevels>
 SPANTEX_INLINE auto whole_level(auto level) { return (TwoLevels ? level : level + 127) >> q.level_bits; }
@@ -221,12 +242,11 @@ class pixels_on_levels {
  public:
   SPANTEX_INLINE pixels_on_levels(const row_work& work, const span_positions& p) : map_(work.texels->levels_in_rows()), positions_(p), last_(work.last_level) {}
 
-  // How far texels may lie from the base on the levels that the span takes.
-  SPANTEX_INLINE int32_t place_limit() const {
-    if (MasksOnly || map_.place_limit(last_) == map_.place_limit(0)) return map_.place_limit(0);
+  // The coarsest level that the span takes.
+  SPANTEX_INLINE int32_t coarsest() const {
     int32_t most = 0;
     for (int k = 0; k < span_pixel_count; ++k) most = max_of(most, whole_level<TwoLevels>(int32_t(positions_.level[k])));
-    return map_.place_limit(min_of(most + (TwoLevels ? 1 : 0), last_));
+    return min_of(most + (TwoLevels ? 1 : 0), last_);
   }
 
   SPANTEX_INLINE void place(int n) {
@@ -289,9 +309,9 @@ class pixels_on_levels {
 };
 
 template <bool MasksOnly, bool TwoLevels>
-SPANTEX_INLINE bool draw_by_level(const row_work& work, int32_t sx, span_mask mask, const span_positions& p, const span_coefficients& c) {
+SPANTEX_INLINE bool draw_by_level(const row_work& work, int32_t sx, span_mask mask, span_positions& p, const span_coefficients& c) {
   pixels_on_levels<MasksOnly, TwoLevels> pixels(work, p);
-  if (!MasksOnly && reach_of(c) > pixels.place_limit()) return false;
+  if (!MasksOnly && !in_reach(work.texels->levels_in_rows(), pixels.coarsest(), reach_of(c), p)) return false;
   draw_groups(work, sx, mask, [&](int n) SPANTEX_INLINED { pixels.place(n); }, [&](int n) SPANTEX_INLINED { return pixels.at(n); });
   return true;
 }
