@@ -102,7 +102,7 @@ class painter {
  public:
   // What the target takes of `wanted`.
   painter(const plane& p, const texture_view& t, const Target& target, const rectangle& wanted, const Cover& cover, state& memory)
-      : plane_(p), map_(t), target_(target), memory_(memory), area_(intersection(wanted, area_of(target))), cover_(cover), masked_(wraps_by_mask(level_of(t, 0))) {}
+      : plane_(p), map_(t), target_(target), memory_(memory), area_(intersection(wanted, area_of(target))), cover_(cover) {}
 
   void draw() {
     if (area_.empty()) return;
@@ -217,7 +217,7 @@ class painter {
   }
   SPANTEX_FRAME_APART void draw_cut_at_borders(block& b, const block_part& part, int level) {
     constexpr filter kind = uses_levels(Kind) ? filter::bilinear : Kind;
-    if (kind == filter::nearest && masked_) return draw_masked(b, part);
+    if (kind == filter::nearest && wraps_by_mask(memory_.fine)) return draw_masked(b, part);
     memory_.at.base_u = detail::base_on(level, b.u.base);
     memory_.at.base_v = detail::base_on(level, b.v.base);
     each_walk(b, part, level, [&](texel565* out, int, int count, int, const walk& w) {
@@ -236,26 +236,30 @@ class painter {
 
   // All pixels between two levels.
   [[gnu::noinline]] void draw_with_two(const block& b, const block_part& part, int level) {
-    each_row_with_level(b, part, level, [&](texel565* out, int count, const walk& w, const level_run& d) {
-      trilinear_run(out, count, w, memory_.near, memory_.far, d, memory_.between);
+    each_row_between(b, part, level, [&](texel565* out, int count, const walk& w) {
+      trilinear_run(out, count, w, memory_.near, memory_.far, memory_.level, memory_.between);
     });
   }
   SPANTEX_FRAME_APART void draw_two_cut_at_borders(block& b, const block_part& part, int level) {
     memory_.at.base_u = detail::base_on(level, b.u.base);
     memory_.at.base_v = detail::base_on(level, b.v.base);
-    each_row_with_level(b, part, level, [&](texel565* out, int count, const walk& w, const level_run& d) {
+    each_row_between(b, part, level, [&](texel565* out, int count, const walk& w) {
       going_on(w);
-      memory_.level = d;
       draw_between(out, count, memory_);
     });
   }
+  // With memory_.level of the row's first pixel.
   template <class Row>
-  [[gnu::always_inline]] void each_row_with_level(const block& b, const block_part& part, int level, const Row& draw_row) {
+  [[gnu::always_inline]] void each_row_between(const block& b, const block_part& part, int level, const Row& draw_row) {
     each_walk(b, part, level, [&](texel565* out, int first, int count, int j, const walk& w) {
-      level_run d = level_row_at(b, j);
-      d.start += first * d.step + detail::level_rounding(Kind);
-      draw_row(out, count, w, d);
+      set_level(b, first, j);
+      draw_row(out, count, w);
     });
+  }
+  SPANTEX_FRAME_APART void set_level(const block& b, int first, int j) {
+    level_run d = level_row_at(b, j);
+    d.start += first * d.step + detail::level_rounding(Kind);
+    memory_.level = d;
   }
 
   void on_one_level(block& b, const block_part& part, int level, bool whole) {
@@ -298,7 +302,6 @@ class painter {
   state& memory_;
   rectangle area_;
   Cover cover_;
-  bool masked_;
 };
 
 // What a map must be. Errors: out_of_range (its format, a filter that rows do not have), bad_levels (sides that do not halve exactly).
