@@ -42,7 +42,7 @@ class planar_map {
   const planar_levels& levels() const { return levels_; }
   const uint8_t* blocks() const { return blocks_.data() + skew_; }  // 64-byte aligned; values are texels ^ 0x80, signed bytes
   const rgba8* row(int32_t y) const { return rows_.data() + int64_t(y + texel_apron) * row_stride_ + texel_apron; }  // of level 0; x and y from -texel_apron
-  const row_levels& levels_in_rows() const { return levels_in_rows_; }  // 
+  const row_levels& levels_in_rows() const { return levels_in_rows_; }
   const byte_planes& planes() const { return planes_; }   // empty but for layout::rows_and_planes
   bool opaque() const { return opaque_; }                 // every texel of every level that is held has alpha 255
   int32_t row_stride() const { return row_stride_; }

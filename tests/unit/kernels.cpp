@@ -135,7 +135,7 @@ SPANTEX_CASE(long_rows_on_small_maps) {
     }
 }
 
-// Spans that reach as far as one period lets them, and rows of samples further; of one level, as sides that do not halve have no more here.
+// Spans that reach as far as one period lets them, and rows of samples further; of one level.
 SPANTEX_CASE(rows_beyond_a_period) {
   static constexpr struct { int32_t side; double step; } every[] = {{69, 18.0}, {45, 36.3}};
   for (const auto [side, step] : every) {
