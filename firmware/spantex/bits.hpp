@@ -31,6 +31,17 @@ constexpr int bit_length(uint64_t x) { return x == 0 ? 0 : 64 - __builtin_clzll(
 
 SPANTEX_WRAPS constexpr uint64_t magnitude(int64_t x) { return x < 0 ? 0 - uint64_t(x) : uint64_t(x); }
 
+// 32 x 32 -> 64. ARMv6-M has products of 32 bits only; compilers call one of 64 bits there.
+constexpr uint64_t multiply_32(uint32_t a, uint32_t b) {
+#if defined(__ARM_ARCH_6M__)
+  const uint32_t a0 = a & 0xFFFF, a1 = a >> 16, b0 = b & 0xFFFF, b1 = b >> 16;
+  const uint32_t low = a0 * b0, first = a0 * b1 + (low >> 16), second = a1 * b0 + (first & 0xFFFF);
+  return uint64_t(a1 * b1 + (first >> 16) + (second >> 16)) << 32 | (second << 16 | (low & 0xFFFF));
+#else
+  return uint64_t(a) * b;
+#endif
+}
+
 constexpr int max_of(int a, int b) { return a > b ? a : b; }
 constexpr int min_of(int a, int b) { return a < b ? a : b; }
 

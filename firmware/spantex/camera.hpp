@@ -70,7 +70,7 @@ constexpr sine_cosine first_quadrant(uint32_t t) {
 
 }  // namespace detail
 
-constexpr sine_cosine sine_cosine_of(binary_angle a) {
+SPANTEX_FRAME_APART constexpr sine_cosine sine_cosine_of(binary_angle a) {
   const sine_cosine q = detail::first_quadrant(a.turn & 0x3FFFFFFFu);
   switch (a.turn >> 30) {
     case 0: return q;
@@ -92,32 +92,39 @@ struct attitude {
   int64_t xu, xv, xw, yu, yv, yw, zu, zv, zw;
 };
 
-constexpr attitude attitude_of(binary_angle roll, binary_angle pitch, binary_angle yaw) {
+namespace detail {
+
+// a b + c d e, s1.30 each: exact in 60 and 90 fraction bits, then rounded once.
+SPANTEX_FRAME_APART constexpr int64_t attitude_entry(int32_t a, int32_t b, int32_t c, int32_t d, int32_t e) {
+  wide sum = shift_left(multiply(a, b), 30);
+  add_product(sum, int64_t(c) * d, e);
+  return to_int64(shift_right_nearest(sum, 90 - camera_bits));
+}
+
+}  // namespace detail
+
+SPANTEX_FRAME_APART constexpr attitude attitude_of(binary_angle roll, binary_angle pitch, binary_angle yaw) {
   const sine_cosine g = sine_cosine_of(roll), t = sine_cosine_of(pitch), y = sine_cosine_of(yaw);
-  // Products of two have 60 fraction bits, of three 90; each entry is rounded once.
-  const auto two = [](int32_t a, int32_t b) { return shift_left(multiply(a, b), 30); };
-  const auto three = [](int32_t a, int32_t b, int32_t c) { return multiply(multiply(a, b), c); };
-  const auto entry = [](wide x) { return to_int64(shift_right_nearest(x, 90 - detail::camera_bits)); };
+  const auto entry = detail::attitude_entry;
   const auto one = [](int32_t a) { return int64_t(a) * (int64_t(1) << (detail::camera_bits - 30)); };
   attitude r{};
-  r.xu = entry(two(t.cosine, y.cosine));
-  r.xv = entry(two(g.sine, y.sine) - three(g.cosine, y.cosine, t.sine));
-  r.xw = entry(two(g.cosine, y.sine) + three(g.sine, y.cosine, t.sine));
+  r.xu = entry(t.cosine, y.cosine, 0, 0, 0);
+  r.xv = entry(g.sine, y.sine, -g.cosine, y.cosine, t.sine);
+  r.xw = entry(g.cosine, y.sine, g.sine, y.cosine, t.sine);
   r.yu = one(t.sine);
-  r.yv = entry(two(g.cosine, t.cosine));
-  r.yw = entry(-two(g.sine, t.cosine));
-  r.zu = entry(-two(t.cosine, y.sine));
-  r.zv = entry(two(g.sine, y.cosine) + three(g.cosine, y.sine, t.sine));
-  r.zw = entry(two(g.cosine, y.cosine) - three(g.sine, y.sine, t.sine));
+  r.yv = entry(g.cosine, t.cosine, 0, 0, 0);
+  r.yw = entry(-g.sine, t.cosine, 0, 0, 0);
+  r.zu = entry(-t.cosine, y.sine, 0, 0, 0);
+  r.zv = entry(g.sine, y.cosine, g.cosine, y.sine, t.sine);
+  r.zw = entry(g.cosine, y.cosine, -g.sine, y.sine, t.sine);
   return r;
 }
 
 namespace detail {
 
 // T (h Ry - y_h R): numerator of a texture coordinate on the camera's axes, below 2^74; one rounding at 2^-camera_bits.
-constexpr wide ground_numerator(const attitude_camera& a, int32_t along, int64_t r, int64_t ry) {
-  const wide difference = multiply(ry, along) - multiply(r, a.position.y);
-  return shift_right_nearest(multiply(difference, a.texels_per_unit), 32);
+SPANTEX_FRAME_APART constexpr wide ground_numerator(int32_t height, int32_t texels_per_unit, int32_t along, int64_t r, int64_t ry) {
+  return shift_right_nearest(multiply(difference_of_products(ry, along, r, height), texels_per_unit), 32);
 }
 
 }  // namespace detail
@@ -129,7 +136,8 @@ constexpr status make_plane(const attitude_camera& a, const view& s, plane& out)
   const attitude r = attitude_of(a.roll, a.pitch, a.yaw);
   // Rays are (x, y, 1) on the axes W, -V, U.
   const auto along = [&](int32_t h, int64_t w, int64_t v, int64_t u) {
-    return detail::on_screen({detail::ground_numerator(a, h, w, r.yw), detail::ground_numerator(a, h, -v, -r.yv), detail::ground_numerator(a, h, u, r.yu)}, s);
+    const auto numerator = [&](int64_t d, int64_t dy) { return detail::ground_numerator(a.position.y, a.texels_per_unit, h, d, dy); };
+    return detail::on_screen({numerator(w, r.yw), numerator(-v, -r.yv), numerator(u, r.yu)}, s);
   };
   const detail::wide_row u = along(a.position.x, r.xw, r.xv, r.xu), v = along(a.position.z, r.zw, r.zv, r.zu);
   const detail::wide_row w = detail::on_screen({wide(r.yw), wide(-r.yv), wide(r.yu)}, s);

@@ -125,14 +125,11 @@ constexpr corner_choice choose_corners(const vertex* v, int count) {
 }
 
 // The part of the polygon within a pixel of the box.
-constexpr outline visible_outline(const vertex* v, int count, const projection& camera, rectangle box) {
-  outline o;
-  for (int k = 0; k < count; ++k) o.points[o.count++] = project(v[k], camera);
-  o = clip(o, [&](const homogeneous_point& p) { return p.z - camera.near_z; });
-  o = clip(o, [&](const homogeneous_point& p) { return p.x - p.z * (box.x0 - 1); });
-  o = clip(o, [&](const homogeneous_point& p) { return p.z * (box.x1 + 1) - p.x; });
-  o = clip(o, [&](const homogeneous_point& p) { return p.y - p.z * (box.y0 - 1); });
-  return clip(o, [&](const homogeneous_point& p) { return p.z * (box.y1 + 1) - p.y; });
+constexpr edge_set visible_outline(const vertex* v, int count, const projection& camera, rectangle box) {
+  edge_set o;
+  for (int k = 0; k < count; ++k) o.edges[o.count++] = held(project(v[k], camera));
+  clip_to_view(camera.near_z, {{box.x0 - 1, box.x1 + 1, box.y0 - 1, box.y1 + 1}, true}, o);
+  return o;
 }
 
 // Smallest and largest of some numbers.
@@ -146,10 +143,10 @@ struct range {
 
 // x', y' from the anchor and depth of a polygon's visible part, 16 fraction bits.
 struct visible_part { range across, along, z; };
-constexpr visible_part measure(const outline& o, const vertex& anchor, const projection& camera, const object_rotation& r) {
+constexpr visible_part measure(const edge_set& o, const vertex& anchor, const projection& camera, const object_rotation& r) {
   visible_part part;
   for (int k = 0; k < o.count; ++k) {
-    const homogeneous_point& p = o.points[k];
+    const homogeneous_point p = corner_in(o.edges[k]);
     const int64_t x = (p.x * 65536 - p.z * camera.centre_x) / camera.focal_x, y = (p.y * 65536 - p.z * camera.centre_y) / camera.focal_y;
     const int64_vector d{x - anchor.x, y - anchor.y, p.z - anchor.z};
     part.across.include(cut_to(dot(d, r.across), 30));
@@ -280,7 +277,7 @@ constexpr status make_object_grid(const vertex* vertices, int count, const proje
   if (share < 1 || share > whole_share || camera.focal_x <= 0 || camera.focal_y <= 0) return status::out_of_range;
   const detail::corner_choice corners = detail::choose_corners(vertices, count);
   if (detail::size_bits(corners.normal) == 0) return status::degenerate;
-  const detail::outline seen = detail::visible_outline(vertices, count, camera, p.box);
+  const edge_set seen = detail::visible_outline(vertices, count, camera, p.box);
   if (seen.count == 0) return status::degenerate;
   object_grid g{};
   g.axes = rotation_of(corners.normal);

@@ -76,18 +76,30 @@ struct homography {
 
 namespace detail {
 
-// From pixels to half pixels about (ox, oy): x stays, c doubles and moves.
-constexpr wide_form about(wide x, wide y, wide c, int32_t ox, int32_t oy) {
-  return {x, y, multiply(x, ox) + multiply(y, oy) + c + c};
+// From pixels to half pixels about (ox, oy): x and y stay, c doubles and moves.
+SPANTEX_FRAME_APART constexpr void move_origin(wide_form& f, int32_t ox, int32_t oy) {
+  f.c = f.c + f.c;
+  add_product(f.c, f.x, ox);
+  add_product(f.c, f.y, oy);
 }
 
 // Bits of the largest |value| within rx, ry half pixels of the origin (a bound: the sum of the magnitudes).
-constexpr int bound_bits(const wide_form& f, int32_t rx, int32_t ry) {
-  return bit_length(magnitude(multiply(magnitude(f.x), rx)) + magnitude(multiply(magnitude(f.y), ry)) + magnitude(f.c));
+SPANTEX_FRAME_APART constexpr int bound_bits(const wide_form& f, int32_t rx, int32_t ry) {
+  wide sum = magnitude(f.c);
+  add_product(sum, magnitude(f.x), rx);
+  add_product(sum, magnitude(f.y), ry);
+  return bit_length(sum);
 }
 
-constexpr linear_form narrowed(const wide_form& f, int drop) {
-  return {to_int64(scale_down(f.x, drop)), to_int64(scale_down(f.y, drop)), to_int64(scale_down(f.c, drop))};
+SPANTEX_FRAME_APART constexpr int64_t narrowed(const wide& a, int drop) { return to_int64(scale_down(a, drop)); }
+constexpr linear_form narrowed(const wide_form& f, int drop) { return {narrowed(f.x, drop), narrowed(f.y, drop), narrowed(f.c, drop)}; }
+
+// a b - c d
+constexpr wide difference_of_products(int64_t a, int64_t b, int64_t c, int64_t d) {
+  wide sum;
+  add_product(sum, a, b);
+  add_product(sum, -c, d);
+  return sum;
 }
 
 }  // namespace detail
@@ -100,8 +112,8 @@ struct scaled_gradients {
 };
 constexpr scaled_gradients scaled_gradients_at(const plane& p, int32_t hx, int32_t hy) {
   const int64_t w = p.w_at(hx, hy), nu = p.u_at(hx, hy), nv = p.v_at(hx, hy);
-  const wide ux = multiply(p.u.x, w) - multiply(nu, p.w.x), uy = multiply(p.u.y, w) - multiply(nu, p.w.y);
-  const wide vx = multiply(p.v.x, w) - multiply(nv, p.w.x), vy = multiply(p.v.y, w) - multiply(nv, p.w.y);
+  const wide ux = detail::difference_of_products(p.u.x, w, nu, p.w.x), uy = detail::difference_of_products(p.u.y, w, nu, p.w.y);
+  const wide vx = detail::difference_of_products(p.v.x, w, nv, p.w.x), vy = detail::difference_of_products(p.v.y, w, nv, p.w.y);
   const int drop = max_of(0, max_of(max_of(bit_length(ux), bit_length(uy)), max_of(bit_length(vx), bit_length(vy))) - 31);
   const auto cut = [drop](wide a) {
     const int64_t x = int64_t(shift_right_floor(magnitude(a), drop).low);
@@ -133,12 +145,13 @@ namespace detail {
 // log2 |det| of the plane's nine coefficients, s.16; minus 200 for zero. The 2x2 minors of the rows u, v are exact (114 bits); cut to 79 of the
 // largest they meet 45 bits of w in 126. Error: three cuts of 2^-78 of the largest product, which only a plane that is edge-on to
 // 2^-50 can feel, and its minor axis is none.
-constexpr int32_t determinant_log2(const plane& p) {
-  const wide xy = multiply(p.u.x, p.v.y) - multiply(p.u.y, p.v.x);
-  const wide yc = multiply(p.u.y, p.v.c) - multiply(p.u.c, p.v.y), cx = multiply(p.u.c, p.v.x) - multiply(p.u.x, p.v.c);
-  const int drop = max_of(0, max_of(bit_length(xy), max_of(bit_length(yc), bit_length(cx))) - 79);
-  const auto times = [drop](wide minor, int64_t w) { return multiply(shift_right_nearest(minor, drop), w); };
-  const wide det = magnitude(times(yc, p.w.x) + times(cx, p.w.y) + times(xy, p.w.c));
+SPANTEX_FRAME_APART constexpr int32_t determinant_log2(const plane& p) {
+  const wide minors[] = {difference_of_products(p.u.y, p.v.c, p.u.c, p.v.y), difference_of_products(p.u.c, p.v.x, p.u.x, p.v.c),
+                         difference_of_products(p.u.x, p.v.y, p.u.y, p.v.x)};
+  const int drop = max_of(0, max_of(bit_length(minors[0]), max_of(bit_length(minors[1]), bit_length(minors[2]))) - 79);
+  wide det;
+  for (int k = 0; k < 3; ++k) add_product(det, shift_right_nearest(minors[k], drop), k == 0 ? p.w.x : k == 1 ? p.w.y : p.w.c);
+  det = magnitude(det);
   if (det.zero()) return -(200 << 16);
   const int cut = max_of(0, bit_length(det) - 62);
   return log2_16(shift_right_floor(det, cut).low) + ((cut + drop) << 16);
@@ -152,26 +165,35 @@ constexpr int32_t minor_log2_of(const plane& p) { return detail::determinant_log
 
 namespace detail {
 
-// Normalises and tells by how many bits (`drop` may be negative): W of the plane = 2 W of the homography / 2^drop.
-constexpr status normalise(const homography& m, rectangle region, plane& out, int& drop) {
-  if (!on_screen(region)) return status::bad_size;
-  const int32_t ox = region.x0 + region.x1, oy = region.y0 + region.y1;
-  const wide_form u = about(m.a, m.b, m.c, ox, oy), v = about(m.d, m.e, m.f, ox, oy), w = about(m.g, m.h, m.i, ox, oy);
+// By number: u, v, w.
+constexpr wide_form& exact_form(plane& p, int k) { return k == 0 ? p.exact_u : k == 1 ? p.exact_v : p.exact_w; }
+constexpr linear_form& rounded_form(plane& p, int k) { return k == 0 ? p.u : k == 1 ? p.v : p.w; }
+
+// The forms about the region's middle, and what fits of them; `drop` (may be negative): W of the plane = 2 W of the homography / 2^drop.
+SPANTEX_FRAME_APART constexpr status narrow_forms(const rectangle& region, plane& p, int& drop) {
+  p.origin_x = region.x0 + region.x1;
+  p.origin_y = region.y0 + region.y1;
   // Spans are evaluated at their centres, which may lie 8 pixels outside the region.
   const int32_t rx = region.x1 - region.x0 + 32, ry = region.y1 - region.y0 + 32;
-  const int w_bits = bound_bits(w, rx, ry);
-  if (w_bits == 0) return status::degenerate;
-  drop = max_of(max_of(bound_bits(u, rx, ry), bound_bits(v, rx, ry)) - 59, w_bits - 45);
-  plane p{narrowed(u, drop), narrowed(v, drop), narrowed(w, drop), ox, oy, 0};
-  if (drop > 0) {
-    p.exact_u = u;
-    p.exact_v = v;
-    p.exact_w = w;
-    p.dropped_bits = int16_t(drop);
-    p.rounding_bits = int16_t(bit_length(uint64_t(rx + ry + 1)));  // three coefficients, half a unit each
+  int bits[3] = {};
+  for (int k = 0; k < 3; ++k) {
+    move_origin(exact_form(p, k), p.origin_x, p.origin_y);
+    bits[k] = bound_bits(exact_form(p, k), rx, ry);
   }
-  // Anchor of KT88's formula: the region's middle if it is in front of the viewer, else its nearest corner (largest W).
-  int32_t ax = ox, ay = oy;
+  if (bits[2] == 0) return status::degenerate;
+  drop = max_of(max_of(bits[0], bits[1]) - 59, bits[2] - 45);
+  for (int k = 0; k < 3; ++k) {
+    rounded_form(p, k) = narrowed(exact_form(p, k), drop);
+    if (drop <= 0) exact_form(p, k) = {};
+  }
+  p.dropped_bits = int16_t(max_of(drop, 0));
+  p.rounding_bits = drop > 0 ? int16_t(bit_length(uint64_t(rx + ry + 1))) : int16_t(0);  // three coefficients, half a unit each
+  return status::ok;
+}
+
+// log2 K and log2 K', the former at the region's middle if that is in front of the viewer, else at its nearest corner (largest W). Errors: degenerate.
+SPANTEX_FRAME_APART constexpr status set_logs(const rectangle& region, plane& p) {
+  int32_t ax = p.origin_x, ay = p.origin_y;
   if (p.w_at(ax, ay) <= 0) {
     ax = p.w.x > 0 ? 2 * region.x1 - 1 : 2 * region.x0 + 1;
     ay = p.w.y > 0 ? 2 * region.y1 - 1 : 2 * region.y0 + 1;
@@ -179,8 +201,25 @@ constexpr status normalise(const homography& m, rectangle region, plane& out, in
   }
   p.major_log2 = major_log2_at(p, ax, ay);
   p.minor_log2 = minor_log2_of(p);
-  out = p;
   return status::ok;
+}
+
+// The plane of the homography whose rows are its exact forms, in the plane itself: set-up takes no other memory to speak of.
+constexpr status normalise(const rectangle& region, plane& p, int& drop) {
+  if (!on_screen(region)) return status::bad_size;
+  SPANTEX_TRY(narrow_forms(region, p, drop));
+  return set_logs(region, p);
+}
+constexpr status normalise(const rectangle& region, plane& p) {
+  int drop = 0;
+  return normalise(region, p, drop);
+}
+
+constexpr status normalise(const homography& m, rectangle region, plane& out, int& drop) {
+  out.exact_u = {m.a, m.b, m.c};
+  out.exact_v = {m.d, m.e, m.f};
+  out.exact_w = {m.g, m.h, m.i};
+  return normalise(region, out, drop);
 }
 
 }  // namespace detail

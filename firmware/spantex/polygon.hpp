@@ -40,70 +40,76 @@ constexpr homogeneous_point project(const vertex& p, const projection& c) {
 
 namespace detail {
 
-// Rows of the adjugate of the matrix of three homogeneous vertices, dotted with an attribute: the linear form that
-// takes the value det * t_k at vertex k. At most 123 bits.
-struct attribute_form { wide x, y, c; };
-struct adjugate {
-  wide x[3], y[3], c[3];
-  wide determinant;
-};
+// Until edges are made of them, corners of a polygon lie where its edges will, as a = x, b = y, c = z: set-up takes no other memory to speak of.
+constexpr homogeneous_point corner_in(const edge& e) { return {e.a, e.b, e.c}; }
+constexpr edge held(const homogeneous_point& p) { return {p.x, p.y, p.z}; }
 
-constexpr adjugate make_adjugate(const homogeneous_point& p, const homogeneous_point& q, const homogeneous_point& r) {
-  adjugate m;
-  const homogeneous_point* v[3] = {&p, &q, &r};
+// Row `axis` (x, y, z) of the adjugate of the matrix whose columns are three homogeneous points. At most 77 bits.
+struct adjugate_row { wide of[3]; };
+constexpr int64_t on_axis(const edge& p, int axis) { return axis == 0 ? p.a : axis == 1 ? p.b : p.c; }
+constexpr int next_of_three(int k) { return k == 2 ? 0 : k + 1; }
+constexpr void make_adjugate_row(const edge* const (&v)[3], int axis, adjugate_row& out) {
+  const int next = next_of_three(axis), after = next_of_three(next);
   for (int k = 0; k < 3; ++k) {
-    const homogeneous_point &a = *v[(k + 1) % 3], &b = *v[(k + 2) % 3];
-    m.x[k] = multiply(a.y, b.z) - multiply(a.z, b.y);
-    m.y[k] = multiply(a.z, b.x) - multiply(a.x, b.z);
-    m.c[k] = multiply(a.x, b.y) - multiply(a.y, b.x);
+    const edge &a = *v[next_of_three(k)], &b = *v[next_of_three(next_of_three(k))];
+    out.of[k] = difference_of_products(on_axis(a, next), on_axis(b, after), on_axis(a, after), on_axis(b, next));
   }
-  m.determinant = multiply(m.x[0], p.x) + multiply(m.y[0], p.y) + multiply(m.c[0], p.z);
-  return m;
 }
 
-constexpr attribute_form interpolate(const adjugate& m, int32_t t0, int32_t t1, int32_t t2, bool negate) {
-  const auto dot = [&](const wide* k) {
-    const wide sum = multiply(k[0], t0) + multiply(k[1], t1) + multiply(k[2], t2);
-    return negate ? -sum : sum;
-  };
-  return {dot(m.x), dot(m.y), dot(m.c)};
+// Coefficient of the linear form that takes the value det * t_k at vertex k, of an attribute t. At most 123 bits.
+SPANTEX_FRAME_APART constexpr void interpolate(const adjugate_row& m, int32_t t0, int32_t t1, int32_t t2, wide& out) {
+  out = {};
+  add_product(out, m.of[0], t0);
+  add_product(out, m.of[1], t1);
+  add_product(out, m.of[2], t2);
 }
 
 // Point where the segment from `inside` to `outside` meets the plane where a distance is zero; rounded to nearest, and always from
 // the inside end, so that two polygons sharing the edge get the same point.
-constexpr homogeneous_point cut(const homogeneous_point& inside, const homogeneous_point& outside, int64_t d_in, int64_t d_out) {
+SPANTEX_FRAME_APART constexpr edge cut(const edge& inside, const edge& outside, int64_t d_in, int64_t d_out) {
   const int64_t length = d_in - d_out;
   const auto axis = [&](int64_t a, int64_t b) { return a + divide_nearest(multiply(b - a, d_in), length); };
-  return {axis(inside.x, outside.x), axis(inside.y, outside.y), axis(inside.z, outside.z)};
+  return {axis(inside.a, outside.a), axis(inside.b, outside.b), axis(inside.c, outside.c)};
 }
 
-inline constexpr int max_clipped = max_polygon_vertices + 5;
-
-struct outline {
-  homogeneous_point points[max_clipped];
-  int count = 0;
+// Sides of a view in the order in which they cut: the near plane, then two for x and two for y, in pixels.
+struct view_sides {
+  int32_t limits[4];
+  bool lower_first;
 };
+inline constexpr view_sides guard_band{{guard_px, -guard_px, guard_px, -guard_px}, false};
+inline constexpr int view_side_count = 5;
 
-// Keeps the part where distance(point) >= 0 (Sutherland and Hodgman).
-template <class Distance>
-constexpr outline clip(const outline& in, Distance distance) {
-  outline out;
-  for (int k = 0; k < in.count; ++k) {
-    const homogeneous_point &a = in.points[k], &b = in.points[k + 1 == in.count ? 0 : k + 1];
-    const int64_t da = distance(a), db = distance(b);
-    if (da >= 0 && out.count < max_clipped) out.points[out.count++] = a;
-    if ((da >= 0) != (db >= 0) && out.count < max_clipped)
-      out.points[out.count++] = da >= 0 ? cut(a, b, da, db) : cut(b, a, db, da);
-  }
-  return out;
+// From a side, inwards.
+constexpr int64_t distance_from(int side, int64_t near_z, const view_sides& sides, const edge& p) {
+  if (side == 0) return p.c - near_z;
+  const int64_t away = (side <= 2 ? p.a : p.b) - p.c * sides.limits[side - 1];
+  return (side % 2 != 0) == sides.lower_first ? away : -away;
 }
 
-constexpr outline clip_to_view(outline o, int64_t near_z) {
-  o = clip(o, [&](const homogeneous_point& p) { return p.z - near_z; });
-  o = clip(o, [&](const homogeneous_point& p) { return p.z * guard_px - p.x; });
-  o = clip(o, [&](const homogeneous_point& p) { return p.z * guard_px + p.x; });
-  o = clip(o, [&](const homogeneous_point& p) { return p.z * guard_px - p.y; });
-  return clip(o, [&](const homogeneous_point& p) { return p.z * guard_px + p.y; });
+inline constexpr int max_clipped = max_polygon_vertices + view_side_count;
+static_assert(max_clipped < max_edges - 1);
+
+// Keeps the part within the view (Sutherland and Hodgman), in place: for each side corners move to the end, the first again behind the last, and what is kept
+// is written from the start. That never meets what is not read yet if the outline is convex; else corners are lost.
+SPANTEX_FRAME_APART constexpr void clip_to_view(int64_t near_z, const view_sides& sides, edge_set& o) {
+  for (int side = 0; side < view_side_count && o.count != 0; ++side) {
+    const int start = max_edges - 1 - o.count;
+    o.edges[max_edges - 1] = o.edges[0];
+    for (int k = o.count - 1; k >= 0; --k) o.edges[start + k] = o.edges[k];
+    int kept = 0;
+    int64_t next = distance_from(side, near_z, sides, o.edges[start]);
+    for (int read = start; read < max_edges - 1; ++read) {
+      const int64_t here = next;
+      next = distance_from(side, near_z, sides, o.edges[read + 1]);
+      const edge p = o.edges[read];
+      const auto room = [read, &kept] { return kept <= read && kept < max_clipped; };
+      if (here >= 0 && room()) o.edges[kept++] = p;
+      if (here >= 0 && next < 0 && room()) o.edges[kept++] = cut(p, o.edges[read + 1], here, next);
+      if (here < 0 && next >= 0 && room()) o.edges[kept++] = cut(o.edges[read + 1], p, next, here);
+    }
+    o.count = kept;
+  }
 }
 
 // x / z in 1/256 pixel, to nearest (halves up), |result| <= guard.
@@ -130,32 +136,33 @@ inline constexpr int depth_guard_bits = 16;
 
 namespace detail {
 
-// Edges, box and facing of a clipped outline. Errors: degenerate (no area, outside `clip`).
-constexpr status set_edges(const outline& clipped, rectangle clip, polygon& out) {
-  if (clipped.count < 3) return status::degenerate;
-  screen_point points[max_clipped];
-  int64_t area = 0;
+// Edges, box and facing of a clipped outline, in its place. Errors: degenerate (no area, outside `clip`).
+SPANTEX_FRAME_APART constexpr status make_edges(const rectangle& clip, polygon& out) {
+  edge_set& o = out.edges;
+  const int corners = o.count;
+  if (corners < 3) return status::degenerate;
   int32_t left = INT32_MAX, top = INT32_MAX, right = INT32_MIN, bottom = INT32_MIN;
-  for (int k = 0; k < clipped.count; ++k) {
-    const homogeneous_point& p = clipped.points[k];
-    points[k] = {snapped(p.x, p.z), snapped(p.y, p.z)};
-    left = min_of(left, points[k].x);
-    right = max_of(right, points[k].x);
-    top = min_of(top, points[k].y);
-    bottom = max_of(bottom, points[k].y);
+  for (int k = 0; k < corners; ++k) {
+    edge& e = o.edges[k];
+    const int32_t x = snapped(e.a, e.c), y = snapped(e.b, e.c);
+    e = {x, y, 0};
+    left = min_of(left, x);
+    right = max_of(right, x);
+    top = min_of(top, y);
+    bottom = max_of(bottom, y);
   }
-  for (int k = 0; k < clipped.count; ++k) {
-    const screen_point &p = points[k], &q = points[k + 1 == clipped.count ? 0 : k + 1];
-    area += int64_t(p.x) * q.y - int64_t(q.x) * p.y;
-  }
+  o.edges[corners] = o.edges[0];
+  int64_t area = 0;
+  for (int k = 0; k < corners; ++k) area += o.edges[k].a * o.edges[k + 1].b - o.edges[k + 1].a * o.edges[k].b;
   if (area == 0) return status::degenerate;
   const bool clockwise = area > 0;
-  out.edges.count = 0;
-  for (int k = 0; k < clipped.count; ++k) {
-    const screen_point &p = points[k], &q = points[k + 1 == clipped.count ? 0 : k + 1];
+  o.count = 0;
+  for (int k = 0; k < corners; ++k) {
+    const screen_point p{int32_t(o.edges[k].a), int32_t(o.edges[k].b)}, q{int32_t(o.edges[k + 1].a), int32_t(o.edges[k + 1].b)};
     if (p.x == q.x && p.y == q.y) continue;
-    out.edges.edges[out.edges.count++] = clockwise ? make_edge(p, q) : make_edge(q, p);
+    o.edges[o.count++] = clockwise ? make_edge(p, q) : make_edge(q, p);
   }
+  for (int k = o.count; k < max_edges; ++k) o.edges[k] = {};
   out.box = intersection(clip, {left >> subpixel_bits, top >> subpixel_bits, (right >> subpixel_bits) + 1, (bottom >> subpixel_bits) + 1});
   if (out.box.empty()) return status::degenerate;
   out.front_facing = clockwise;
@@ -163,26 +170,21 @@ constexpr status set_edges(const outline& clipped, rectangle clip, polygon& out)
 }
 
 // The plane's W, scaled to depth. W = 2 W' / 2^drop.
-constexpr linear_form depth_form(const plane& p, wide determinant, int drop, int32_t near_z) {
+SPANTEX_FRAME_APART constexpr linear_form depth_form(const plane& p, const wide& determinant, int drop, int32_t near_z) {
   // W' = 2^16 det / z, so near / z * 2^31 = W' near 2^15 / |det| = W 2^(drop - 1) near 2^15 / |det|
   const wide d = magnitude(determinant);
   const int shift = bit_length(d) - 32;
   const uint32_t mantissa = uint32_t(to_int64(shift >= 0 ? shift_right_floor(d, shift) : shift_left(d, -shift)));
   const uint64_t k = uint64_t(reciprocal_wide(mantissa)) * uint64_t(uint32_t(near_z));   // 2^63 near / mantissa
-  const auto scaled = [&](int64_t x) {
-    const int down = 63 + shift - (drop - 1) - 15 - depth_guard_bits;
-    return to_int64(scale_down(multiply(wide(x), int64_t(k)), down));
-  };
+  const int down = 63 + shift - (drop - 1) - 15 - depth_guard_bits;
+  const auto scaled = [k, down](int64_t x) { return narrowed(multiply(x, int64_t(k)), down); };
   return {scaled(p.w.x), scaled(p.w.y), scaled(p.w.c)};
 }
 
 // What vertex attributes other than u and v are interpolated with (shade.hpp).
 struct polygon_basis {
-  adjugate adjugated;
-  int second, drop;  // vertices 0, second, second + 1; W of the plane = 2 W of the adjugate / 2^drop
+  int second, drop;  // vertices 0, second, second + 1; W of the plane = 2 W of their adjugate / 2^drop
 };
-
-constexpr status make_polygon(const vertex* vertices, int count, const projection& camera, rectangle clip, polygon& out, polygon_basis& basis);
 
 }  // namespace detail
 
@@ -203,6 +205,61 @@ constexpr bool is_outside(const vertex* vertices, int count, const projection& c
   return near || left || right || above || below;
 }
 
+namespace detail {
+
+// Projected corners, as they are held until edges are made. Errors: out_of_range.
+SPANTEX_FRAME_APART constexpr status hold_projected(const vertex* vertices, int count, const projection& camera, edge_set& out) {
+  out.count = 0;
+  for (int k = 0; k < count; ++k) {
+    const homogeneous_point p = project(vertices[k], camera);
+    if (magnitude(p.x) >= max_homogeneous || magnitude(p.y) >= max_homogeneous) return status::out_of_range;
+    out.edges[out.count++] = held(p);
+  }
+  return status::ok;
+}
+
+constexpr wide& coefficient(wide_form& f, int axis) { return axis == 0 ? f.x : axis == 1 ? f.y : f.c; }
+constexpr void negate(wide_form& f) { f = {-f.x, -f.y, -f.c}; }
+
+// u/z = (adj . u) / det and 1/z = (adj . 1) / det, of vertices 0, second and second + 1: det cancels in u but for its sign.
+SPANTEX_FRAME_APART constexpr wide make_forms(const vertex* vertices, int second, polygon& out) {
+  const edge* const corners[] = {&out.edges.edges[0], &out.edges.edges[second], &out.edges.edges[second + 1]};
+  const vertex &a = vertices[0], &b = vertices[second], &c = vertices[second + 1];
+  constexpr int32_t one = 1 << 16;  // u, v carry 16 fraction bits, so W must
+  plane& p = out.map;
+  wide determinant;
+  for (int axis = 0; axis < 3; ++axis) {
+    adjugate_row row;
+    make_adjugate_row(corners, axis, row);
+    add_product(determinant, row.of[0], on_axis(*corners[0], axis));
+    interpolate(row, a.u, b.u, c.u, coefficient(p.exact_u, axis));
+    interpolate(row, a.v, b.v, c.v, coefficient(p.exact_v, axis));
+    interpolate(row, one, one, one, coefficient(p.exact_w, axis));
+  }
+  for (int k = 0; k < 3 && determinant.negative(); ++k) negate(exact_form(p, k));
+  return determinant;
+}
+
+SPANTEX_FRAME_APART constexpr status make_polygon(const vertex* vertices, int count, const projection& camera, const rectangle& clip, polygon& out,
+                                                  polygon_basis& basis) {
+  if (count < 3 || count > max_polygon_vertices) return status::bad_size;
+  if (!on_screen(clip)) return status::bad_size;
+  if (camera.near_z <= 0) return status::out_of_range;
+  SPANTEX_TRY(hold_projected(vertices, count, camera, out.edges));
+  basis = {0, 0};
+  wide determinant;
+  do determinant = make_forms(vertices, ++basis.second, out);
+  while (determinant.zero() && basis.second + 2 < count);
+  if (determinant.zero()) return status::degenerate;
+  clip_to_view(camera.near_z, guard_band, out.edges);
+  SPANTEX_TRY(make_edges(clip, out));
+  SPANTEX_TRY(normalise(out.box, out.map, basis.drop));
+  out.depth = depth_form(out.map, determinant, basis.drop, camera.near_z);
+  return status::ok;
+}
+
+}  // namespace detail
+
 // Sets a convex planar polygon up: the plane through its first three vertices that span one, edges after clipping against the
 // near plane and the guard band. Errors: bad_size (3..8 vertices; clip rectangle), out_of_range (near_z <= 0; a vertex beyond
 // 2^28 pixels times depth), degenerate (zero area, edge-on, outside).
@@ -210,42 +267,6 @@ constexpr bool is_outside(const vertex* vertices, int count, const projection& c
 constexpr status make_polygon(const vertex* vertices, int count, const projection& camera, rectangle clip, polygon& out) {
   detail::polygon_basis basis{};
   return detail::make_polygon(vertices, count, camera, clip, out, basis);
-}
-
-constexpr status detail::make_polygon(const vertex* vertices, int count, const projection& camera, rectangle clip, polygon& out,
-                                      polygon_basis& basis) {
-  if (count < 3 || count > max_polygon_vertices) return status::bad_size;
-  if (!on_screen(clip)) return status::bad_size;
-  if (camera.near_z <= 0) return status::out_of_range;
-  detail::outline o;
-  for (int k = 0; k < count; ++k) {
-    const homogeneous_point p = project(vertices[k], camera);
-    if (magnitude(p.x) >= max_homogeneous || magnitude(p.y) >= max_homogeneous) return status::out_of_range;
-    o.points[o.count++] = p;
-  }
-
-  detail::adjugate m;
-  int second = 1;
-  do {
-    m = detail::make_adjugate(o.points[0], o.points[second], o.points[second + 1]);
-  } while (m.determinant.zero() && ++second + 1 < count);
-  if (m.determinant.zero()) return status::degenerate;
-  const vertex &a = vertices[0], &b = vertices[second], &c = vertices[second + 1];
-
-  const detail::outline clipped = detail::clip_to_view(o, camera.near_z);
-  SPANTEX_TRY(detail::set_edges(clipped, clip, out));
-
-  // u/z = (adj . u) / det and 1/z = (adj . 1) / det: det cancels in u but for its sign.
-  const bool negative = m.determinant.negative();
-  const detail::attribute_form fu = detail::interpolate(m, a.u, b.u, c.u, negative), fv = detail::interpolate(m, a.v, b.v, c.v, negative);
-  constexpr int32_t one = 1 << 16;  // u, v carry 16 fraction bits, so W must
-  const detail::attribute_form fw = detail::interpolate(m, one, one, one, negative);
-  const homography h{fu.x, fu.y, fu.c, fv.x, fv.y, fv.c, fw.x, fw.y, fw.c};
-  int drop = 0;
-  SPANTEX_TRY(detail::normalise(h, out.box, out.map, drop));
-  out.depth = detail::depth_form(out.map, m.determinant, drop, camera.near_z);
-  basis = {m, second, drop};
-  return status::ok;
 }
 
 namespace detail {

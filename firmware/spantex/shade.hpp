@@ -58,18 +58,28 @@ struct colour_forms {
 namespace detail {
 
 // Forms stay below 2^59 over the polygon's box, as Nu and Nv do, whatever they are far outside the polygon.
-constexpr colour_forms make_colour_forms(const polygon_basis& b, const rgba8* colours, const polygon& p) {
+constexpr colour_forms make_colour_forms(const polygon_basis& b, const vertex* vertices, const projection& camera, const rgba8* colours, const polygon& p) {
   const rgba8 first = colours[0], second = colours[b.second], third = colours[b.second + 1];
   colour_forms out{{}, first, 0, !(first == second && first == third)};
   if (!out.varies) return out;
   const uint8_t values[channel_count][3] = {
       {first.r, second.r, third.r}, {first.g, second.g, third.g}, {first.b, second.b, third.b}, {first.a, second.a, third.a}};
+  const edge at[] = {held(project(vertices[0], camera)), held(project(vertices[b.second], camera)), held(project(vertices[b.second + 1], camera))};
+  const edge* const corners[] = {&at[0], &at[1], &at[2]};
+  adjugate_row rows[3];
+  wide determinant;
+  for (int axis = 0; axis < 3; ++axis) {
+    make_adjugate_row(corners, axis, rows[axis]);
+    add_product(determinant, rows[axis].of[0], on_axis(at[0], axis));
+  }
+  const int sign = determinant.negative() ? -1 : 1;
   wide_form forms[channel_count];
   int bits = 0;
   for (int k = 0; k < channel_count; ++k) {
     const uint8_t(&v)[3] = values[k];
-    const attribute_form f = interpolate(b.adjugated, v[0] << 16, v[1] << 16, v[2] << 16, b.adjugated.determinant.negative());
-    forms[k] = about(f.x, f.y, f.c, p.map.origin_x, p.map.origin_y);
+    for (int axis = 0; axis < 3; ++axis)
+      interpolate(rows[axis], sign * (v[0] << 16), sign * (v[1] << 16), sign * (v[2] << 16), coefficient(forms[k], axis));
+    move_origin(forms[k], p.map.origin_x, p.map.origin_y);
     bits = max_of(bits, bound_bits(forms[k], p.box.x1 - p.box.x0 + 32, p.box.y1 - p.box.y0 + 32));
   }
   out.up = int8_t(max_of(0, bits - 59 - b.drop));
@@ -104,7 +114,7 @@ constexpr status make_polygon(const vertex* vertices, const rgba8* colours, int 
                               colour_forms& forms) {
   detail::polygon_basis basis{};
   SPANTEX_TRY(detail::make_polygon(vertices, count, camera, clip, out, basis));
-  forms = detail::make_colour_forms(basis, colours, out);
+  forms = detail::make_colour_forms(basis, vertices, camera, colours, out);
   return status::ok;
 }
 

@@ -103,7 +103,10 @@ spantex_status draw_list(spantex_state* state, const spantex_target* target, con
 
 // Not inlined: its frame is not to lie under that of drawing.
 [[gnu::noinline]] status set_up(const spantex_matrix& m, const spantex_target& target, plane& out) {
-  return make_plane({m.a, m.b, m.c, m.d, m.e, m.f, m.g, m.h, m.i}, rows::screen_of(in(target)), out);
+  out.exact_u = {m.a, m.b, m.c};
+  out.exact_v = {m.d, m.e, m.f};
+  out.exact_w = {m.g, m.h, m.i};
+  return detail::normalise(rows::screen_of(in(target)), out);
 }
 
 constexpr rows::culling culling_of(int back_faces) { return back_faces != 0 ? rows::culling::none : rows::culling::back; }

@@ -21,75 +21,95 @@ struct wide {
   friend constexpr bool operator==(const wide&, const wide&) = default;
 };
 
-SPANTEX_WRAPS constexpr wide operator+(wide a, wide b) {
+SPANTEX_WRAPS constexpr wide operator+(const wide& a, const wide& b) {
   const uint64_t low = a.low + b.low;
   return {int64_t(uint64_t(a.high) + uint64_t(b.high) + (low < a.low ? 1u : 0u)), low};
 }
 
-SPANTEX_WRAPS constexpr wide operator-(wide a) {
+SPANTEX_WRAPS constexpr wide operator-(const wide& a) {
   return {int64_t(~uint64_t(a.high) + (a.low == 0 ? 1u : 0u)), 0 - a.low};
 }
 
-constexpr wide operator-(wide a, wide b) { return a + -b; }
+constexpr wide operator-(const wide& a, const wide& b) { return a + -b; }
 
-constexpr wide magnitude(wide a) { return a.negative() ? -a : a; }
+constexpr wide magnitude(const wide& a) {
+  const wide opposite = -a;
+  const bool negative = a.negative();
+  return {negative ? opposite.high : a.high, negative ? opposite.low : a.low};
+}
 
 // 64 x 64 -> 128, unsigned.
 constexpr wide multiply_unsigned(uint64_t a, uint64_t b) {
-  const uint64_t a0 = uint32_t(a), a1 = a >> 32, b0 = uint32_t(b), b1 = b >> 32;
-  const uint64_t p00 = a0 * b0, p01 = a0 * b1, p10 = a1 * b0, p11 = a1 * b1;
+  const uint32_t a0 = uint32_t(a), a1 = uint32_t(a >> 32), b0 = uint32_t(b), b1 = uint32_t(b >> 32);
+  const uint64_t p00 = multiply_32(a0, b0), p01 = multiply_32(a0, b1), p10 = multiply_32(a1, b0), p11 = multiply_32(a1, b1);
   const uint64_t middle = (p00 >> 32) + uint32_t(p01) + uint32_t(p10);
   return {int64_t(p11 + (p01 >> 32) + (p10 >> 32) + (middle >> 32)), (middle << 32) | uint32_t(p00)};
 }
 
+// sum += a b: exact, as the product. In two's complement: a negative factor is 2^64 too large as an unsigned one.
+SPANTEX_WRAPS SPANTEX_FRAME_APART constexpr void add_product(wide& sum, int64_t a, int64_t b) {
+  wide p = multiply_unsigned(uint64_t(a), uint64_t(b));
+  p.high = int64_t(uint64_t(p.high) - (a < 0 ? uint64_t(b) : 0) - (b < 0 ? uint64_t(a) : 0));
+  sum = sum + p;
+}
+
+// The same of 128 x 64 bits. The caller guarantees that the product fits.
+SPANTEX_WRAPS SPANTEX_FRAME_APART constexpr void add_product(wide& sum, const wide& a, int64_t b) {
+  wide p = multiply_unsigned(a.low, uint64_t(b));
+  p.high = int64_t(uint64_t(p.high) + uint64_t(a.high) * uint64_t(b) - (b < 0 ? a.low : 0));
+  sum = sum + p;
+}
+
 // 64 x 64 -> 128, signed, exact.
 constexpr wide multiply(int64_t a, int64_t b) {
-  const wide p = multiply_unsigned(magnitude(a), magnitude(b));
-  return (a < 0) != (b < 0) ? -p : p;
+  wide p;
+  add_product(p, a, b);
+  return p;
 }
 
 // 128 x 64 -> 128. The caller guarantees that the product fits.
-SPANTEX_WRAPS constexpr wide multiply(wide a, int64_t b) {
-  const wide m = magnitude(a);
-  wide p = multiply_unsigned(m.low, magnitude(b));
-  p.high = int64_t(uint64_t(p.high) + uint64_t(m.high) * magnitude(b));
-  return a.negative() != (b < 0) ? -p : p;
+constexpr wide multiply(const wide& a, int64_t b) {
+  wide p;
+  add_product(p, a, b);
+  return p;
 }
 
-constexpr int bit_length(wide a) {
+constexpr int bit_length(const wide& a) {
   const wide m = magnitude(a);
   return m.high != 0 ? 64 + bit_length(uint64_t(m.high)) : bit_length(m.low);
 }
 
-constexpr wide shift_left(wide a, int n) {
+constexpr wide shift_left(const wide& a, int n) {
   if (n == 0) return a;
   if (n >= 64) return {int64_t(a.low << (n - 64)), 0};
   return {int64_t((uint64_t(a.high) << n) | (a.low >> (64 - n))), a.low << n};
 }
 
-constexpr wide shift_right_floor(wide a, int n) {
+constexpr wide shift_right_floor(const wide& a, int n) {
   if (n == 0) return a;
   if (n >= 64) return wide(a.high >> (n == 64 ? 0 : n - 64));
   return {a.high >> n, (uint64_t(a.high) << (64 - n)) | (a.low >> n)};
 }
 
 // a / 2^n to nearest, halves away from zero.
-constexpr wide shift_right_nearest(wide a, int n) {
+SPANTEX_FRAME_APART constexpr wide shift_right_nearest(const wide& a, int n) {
   if (n == 0) return a;
-  const wide m = shift_right_floor(magnitude(a) + shift_left(wide(1), n - 1), n);
+  wide m = magnitude(a);
+  const uint64_t half = n > 64 ? uint64_t(m.high) >> (n - 65) : m.low >> (n - 1);
+  m = shift_right_floor(m, n) + wide(int64_t(half & 1));
   return a.negative() ? -m : m;
 }
 
 // a * 2^-n for any sign of n, to nearest.
-constexpr wide scale_down(wide a, int n) { return n >= 0 ? shift_right_nearest(a, n) : shift_left(a, -n); }
+constexpr wide scale_down(const wide& a, int n) { return n >= 0 ? shift_right_nearest(a, n) : shift_left(a, -n); }
 
-constexpr bool operator<(wide a, wide b) { return (a - b).negative(); }
+constexpr bool operator<(const wide& a, const wide& b) { return (a - b).negative(); }
 
 // The low 64 bits as a signed number. The caller guarantees that the value fits.
-constexpr int64_t to_int64(wide a) { return int64_t(a.low); }
+constexpr int64_t to_int64(const wide& a) { return int64_t(a.low); }
 
 // Quotient a / b to nearest (halves away from zero), b > 0, |quotient| < 2^63. One bit a step: set-up only.
-SPANTEX_WRAPS constexpr int64_t divide_nearest(wide a, int64_t b) {
+SPANTEX_WRAPS SPANTEX_FRAME_APART constexpr int64_t divide_nearest(const wide& a, int64_t b) {
   const wide m = magnitude(a);
   uint64_t remainder = 0, quotient = 0;
   for (int i = bit_length(m) - 1; i >= 0; --i) {

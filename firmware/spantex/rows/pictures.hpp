@@ -83,7 +83,7 @@ status draw_list(picture_state& memory, const Target& target, const List& list, 
   SPANTEX_TRY(check(t, Kind));
   SPANTEX_TRY(check_list(list));
   for (int32_t k = 0; k < list.triangle_count; ++k) {
-    const auto corner = [&](int32_t n) { return list.vertices[list.indices != nullptr ? int32_t(list.indices[3 * k + n]) : 3 * k + n]; };
+    const auto corner = [&](int32_t n) -> const auto& { return list.vertices[list.indices != nullptr ? int32_t(list.indices[3 * k + n]) : 3 * k + n]; };
     const status made = set_up(corner(0), corner(1), corner(2));
     if (made == status::degenerate || (made == status::ok && list.cull == culling::back && !memory.shape.front_facing)) continue;
     SPANTEX_TRY(made);
