@@ -87,44 +87,53 @@ struct attitude_camera {
   int32_t texels_per_unit;
 };
 
-// World from camera: columns are the camera's axes, camera_bits fraction bits.
-struct attitude {
-  int64_t xu, xv, xw, yu, yv, yw, zu, zv, zw;
-};
-
 namespace detail {
 
 // a b + c d e, s1.30 each: exact in 60 and 90 fraction bits, then rounded once.
 SPANTEX_FRAME_APART constexpr int64_t attitude_entry(int32_t a, int32_t b, int32_t c, int32_t d, int32_t e) {
   wide sum = shift_left(multiply(a, b), 30);
   add_product(sum, int64_t(c) * d, e);
-  return to_int64(shift_right_nearest(sum, 90 - camera_bits));
+  round_off(sum, 90 - camera_bits);
+  return to_int64(sum);
 }
 
 }  // namespace detail
 
-SPANTEX_FRAME_APART constexpr attitude attitude_of(binary_angle roll, binary_angle pitch, binary_angle yaw) {
-  const sine_cosine g = sine_cosine_of(roll), t = sine_cosine_of(pitch), y = sine_cosine_of(yaw);
+// World from camera: the world's axes along the camera's, x: U, y: V, c: W, camera_bits fraction bits.
+SPANTEX_FRAME_APART constexpr void set_attitude(binary_angle roll, binary_angle pitch, binary_angle yaw, linear_form& x, linear_form& y, linear_form& z) {
+  const sine_cosine g = sine_cosine_of(roll), t = sine_cosine_of(pitch), h = sine_cosine_of(yaw);
   const auto entry = detail::attitude_entry;
   const auto one = [](int32_t a) { return int64_t(a) * (int64_t(1) << (detail::camera_bits - 30)); };
-  attitude r{};
-  r.xu = entry(t.cosine, y.cosine, 0, 0, 0);
-  r.xv = entry(g.sine, y.sine, -g.cosine, y.cosine, t.sine);
-  r.xw = entry(g.cosine, y.sine, g.sine, y.cosine, t.sine);
-  r.yu = one(t.sine);
-  r.yv = entry(g.cosine, t.cosine, 0, 0, 0);
-  r.yw = entry(-g.sine, t.cosine, 0, 0, 0);
-  r.zu = entry(-t.cosine, y.sine, 0, 0, 0);
-  r.zv = entry(g.sine, y.cosine, g.cosine, y.sine, t.sine);
-  r.zw = entry(g.cosine, y.cosine, -g.sine, y.sine, t.sine);
-  return r;
+  x.x = entry(t.cosine, h.cosine, 0, 0, 0);
+  x.y = entry(g.sine, h.sine, -g.cosine, h.cosine, t.sine);
+  x.c = entry(g.cosine, h.sine, g.sine, h.cosine, t.sine);
+  y.x = one(t.sine);
+  y.y = entry(g.cosine, t.cosine, 0, 0, 0);
+  y.c = entry(-g.sine, t.cosine, 0, 0, 0);
+  z.x = entry(-t.cosine, h.sine, 0, 0, 0);
+  z.y = entry(g.sine, h.cosine, g.cosine, h.sine, t.sine);
+  z.c = entry(g.cosine, h.cosine, -g.sine, h.sine, t.sine);
+}
+
+// Columns are the camera's axes.
+struct attitude {
+  int64_t xu, xv, xw, yu, yv, yw, zu, zv, zw;
+};
+constexpr attitude attitude_of(binary_angle roll, binary_angle pitch, binary_angle yaw) {
+  linear_form x{}, y{}, z{};
+  set_attitude(roll, pitch, yaw, x, y, z);
+  return {x.x, x.y, x.c, y.x, y.y, y.c, z.x, z.y, z.c};
 }
 
 namespace detail {
 
 // T (h Ry - y_h R): numerator of a texture coordinate on the camera's axes, below 2^74; one rounding at 2^-camera_bits.
-SPANTEX_FRAME_APART constexpr wide ground_numerator(int32_t height, int32_t texels_per_unit, int32_t along, int64_t r, int64_t ry) {
-  return shift_right_nearest(multiply(difference_of_products(ry, along, r, height), texels_per_unit), 32);
+struct ground { int32_t height, texels_per_unit; };
+SPANTEX_FRAME_APART constexpr void set_ground_numerator(wide& out, const ground& g, int32_t along, int64_t r, int64_t ry) {
+  const wide difference = difference_of_products(ry, along, r, g.height);
+  out = {};
+  add_product(out, difference, g.texels_per_unit);
+  round_off(out, 32);
 }
 
 }  // namespace detail
@@ -136,7 +145,11 @@ constexpr status make_plane(const attitude_camera& a, const view& s, plane& out)
   const attitude r = attitude_of(a.roll, a.pitch, a.yaw);
   // Rays are (x, y, 1) on the axes W, -V, U.
   const auto along = [&](int32_t h, int64_t w, int64_t v, int64_t u) {
-    const auto numerator = [&](int64_t d, int64_t dy) { return detail::ground_numerator(a.position.y, a.texels_per_unit, h, d, dy); };
+    const auto numerator = [&](int64_t d, int64_t dy) {
+      wide n;
+      detail::set_ground_numerator(n, {a.position.y, a.texels_per_unit}, h, d, dy);
+      return n;
+    };
     return detail::on_screen({numerator(w, r.yw), numerator(-v, -r.yv), numerator(u, r.yu)}, s);
   };
   const detail::wide_row u = along(a.position.x, r.xw, r.xv, r.xu), v = along(a.position.z, r.zw, r.zv, r.zu);

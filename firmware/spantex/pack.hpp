@@ -93,23 +93,30 @@ class texture_pack {
   //   pack_byte_order     16-bit texels of the other byte order
   //   pack_bad_payload    the payload's checksum is wrong
   static status open(const void* bytes, size_t size, texture_pack& out, payload_check check = payload_check::crc) {
+    SPANTEX_TRY(open_view(bytes, size, out.view_, check));
+    const reader r{static_cast<const uint8_t*>(bytes), size};
+    out.flags_ = r.u16(20);
+    out.alpha_threshold_ = r.u8(23);
+    out.uniform_levels_ = r.u16(24);
+    return status::ok;
+  }
+
+  // The same of view() alone.
+  static status open_view(const void* bytes, size_t size, texture_view& out, payload_check check = payload_check::crc) {
     if (bytes == nullptr) return size == 0 ? status::pack_truncated : status::bad_pointer;
     if (uintptr_t(bytes) % pack_format::alignment != 0) return status::pack_misaligned;
     const reader r{static_cast<const uint8_t*>(bytes), size};
     SPANTEX_TRY(check_header(r));
     SPANTEX_TRY(check_fields(r));
-    texture_pack p;
-    SPANTEX_TRY(lay_out(r, p));
-    if (is_16_bit(p.view_.format()) && r.u8(22) != pack_format::native_order) return status::pack_byte_order;
+    SPANTEX_TRY(check_layout(r));
+    if (is_16_bit(texel_format(r.u8(12))) && r.u8(22) != pack_format::native_order) return status::pack_byte_order;
     const uint32_t begin = r.u16(6), end = r.u32(8);
     if (check == payload_check::crc && crc32(r.data + begin, end - begin) != r.u32(40)) return status::pack_bad_payload;
-    p.flags_ = r.u16(20);
-    if (p.srgb()) p.view_.set_colours(colour_space::srgb);
-    if (p.contour()) SPANTEX_TRY(p.view_.set_contour(style_of(r)));
-    p.alpha_threshold_ = r.u8(23);
-    p.uniform_levels_ = r.u16(24);
-    p.view_.set_facts({p.opaque(), p.uniform_levels_});
-    out = p;
+    SPANTEX_TRY(make_view(r, out));
+    const uint16_t flags = r.u16(20);
+    if ((flags & pack_format::srgb) != 0) out.set_colours(colour_space::srgb);
+    if ((flags & pack_format::contour) != 0) SPANTEX_TRY(out.set_contour(style_of(r)));
+    out.set_facts({(flags & pack_format::opaque) != 0, r.u16(24)});
     return status::ok;
   }
 
@@ -172,25 +179,29 @@ class texture_pack {
 
   // Everything has one place: after the header the palette, then the levels, each as long as its format and size say. Sums cannot wrap:
   // sides are checked first, so a level has at most 2^26 bytes.
-  static status lay_out(const reader& r, texture_pack& p) {
+  SPANTEX_FRAME_APART static status check_layout(const reader& r) {
     const auto format = texel_format(r.u8(12));
     const int count = r.u8(13);
     const int32_t width = r.u16(16), height = r.u16(18);
     if (width < 1 || height < 1 || width > max_texture_side || height > max_texture_side) return status::bad_size;
-    uint32_t next = pack_format::aligned(r.u16(6) + uint32_t(sizeof(rgba8)) * r.u16(26)), end = next;
-    const void* levels[max_levels] = {};
+    uint32_t next = pack_format::aligned(r.u16(6) + uint32_t(sizeof(rgba8)) * r.u16(26));
     for (int k = 0; k < count; ++k) {
       const uint32_t entry = pack_format::header_bytes(k);
       const uint32_t bytes = level_bytes(format, level_side(width, k), level_side(height, k));
       if (r.u32(entry) != next || r.u32(entry + 4) != bytes) return status::pack_bad_layout;
-      levels[k] = r.data + next;
-      end = next + bytes;
-      next = pack_format::aligned(end);
+      next = pack_format::aligned(next + bytes);
     }
     if (next != r.u32(8)) return status::pack_bad_layout;
-    const int colours = r.u16(26);
+    return texture_view::check_shape(count, width, height);
+  }
+
+  // What was checked cannot fail.
+  SPANTEX_FRAME_APART static status make_view(const reader& r, texture_view& out) {
+    const void* levels[max_levels] = {};
+    const int count = r.u8(13), colours = r.u16(26);
+    for (int k = 0; k < count; ++k) levels[k] = r.data + r.u32(pack_format::header_bytes(k));
     const rgba8* const palette = colours == 0 ? nullptr : static_cast<const rgba8*>(static_cast<const void*>(r.data + r.u32(28)));
-    return texture_view::make(format, levels, count, width, height, wrap(r.u8(14)), wrap(r.u8(15)), p.view_, palette, colours);
+    return texture_view::make(texel_format(r.u8(12)), levels, count, r.u16(16), r.u16(18), wrap(r.u8(14)), wrap(r.u8(15)), out, palette, colours);
   }
 
   texture_view view_;

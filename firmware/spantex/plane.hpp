@@ -95,11 +95,15 @@ SPANTEX_FRAME_APART constexpr int64_t narrowed(const wide& a, int drop) { return
 constexpr linear_form narrowed(const wide_form& f, int drop) { return {narrowed(f.x, drop), narrowed(f.y, drop), narrowed(f.c, drop)}; }
 
 // a b - c d
+[[gnu::always_inline]] constexpr void set_difference(wide& out, int64_t a, int64_t b, int64_t c, int64_t d) {
+  out = {};
+  add_product(out, a, b);
+  add_product(out, -c, d);
+}
 constexpr wide difference_of_products(int64_t a, int64_t b, int64_t c, int64_t d) {
-  wide sum;
-  add_product(sum, a, b);
-  add_product(sum, -c, d);
-  return sum;
+  wide out;
+  set_difference(out, a, b, c, d);
+  return out;
 }
 
 }  // namespace detail
@@ -107,19 +111,27 @@ constexpr wide difference_of_products(int64_t a, int64_t b, int64_t c, int64_t d
 // W^2 d(u, v)/dx and W^2 d(u, v)/dy per half pixel at a point, in the plane's scale: W^2 du/dx = A W - Nu G, exact in 128 bits, whatever
 // the size of u; then the magnitudes cut to 31 bits of the largest of the four. value 2^drop.
 struct scaled_gradients {
-  int64_t ux, uy, vx, vy;
+  int32_t ux, uy, vx, vy;
   int drop;
 };
 constexpr scaled_gradients scaled_gradients_at(const plane& p, int32_t hx, int32_t hy) {
-  const int64_t w = p.w_at(hx, hy), nu = p.u_at(hx, hy), nv = p.v_at(hx, hy);
-  const wide ux = detail::difference_of_products(p.u.x, w, nu, p.w.x), uy = detail::difference_of_products(p.u.y, w, nu, p.w.y);
-  const wide vx = detail::difference_of_products(p.v.x, w, nv, p.w.x), vy = detail::difference_of_products(p.v.y, w, nv, p.w.y);
-  const int drop = max_of(0, max_of(max_of(bit_length(ux), bit_length(uy)), max_of(bit_length(vx), bit_length(vy))) - 31);
-  const auto cut = [drop](wide a) {
-    const int64_t x = int64_t(shift_right_floor(magnitude(a), drop).low);
-    return a.high < 0 ? -x : x;
+  wide exact[4];
+  {
+    const int64_t w = p.w_at(hx, hy), nu = p.u_at(hx, hy), nv = p.v_at(hx, hy);
+    detail::set_difference(exact[0], p.u.x, w, nu, p.w.x);
+    detail::set_difference(exact[1], p.u.y, w, nu, p.w.y);
+    detail::set_difference(exact[2], p.v.x, w, nv, p.w.x);
+    detail::set_difference(exact[3], p.v.y, w, nv, p.w.y);
+  }
+  int bits = 31;
+  for (const wide& e : exact) bits = max_of(bits, bit_length(e));
+  const auto cut = [bits](wide& e) {
+    const bool negative = e.negative();
+    if (negative) negate(e);
+    const int32_t x = int32_t(low_after(e, bits - 31));
+    return negative ? -x : x;
   };
-  return {cut(ux), cut(uy), cut(vx), cut(vy), drop};
+  return {cut(exact[0]), cut(exact[1]), cut(exact[2]), cut(exact[3]), bits - 31};
 }
 
 // log2 of the lengths of the two columns, s.16; minus 100 for zero.
@@ -142,19 +154,31 @@ constexpr int32_t major_log2_at(const plane& p, int32_t hx, int32_t hy) {
 
 namespace detail {
 
-// log2 |det| of the plane's nine coefficients, s.16; minus 200 for zero. The 2x2 minors of the rows u, v are exact (114 bits); cut to 79 of the
-// largest they meet 45 bits of w in 126. Error: three cuts of 2^-78 of the largest product, which only a plane that is edge-on to
-// 2^-50 can feel, and its minor axis is none.
+// |det| of the plane's nine coefficients, in units of 2^drop. The 2x2 minors of the rows u, v are exact (114 bits); cut to 79 of the largest they meet 45 bits
+// of w in 126. Error: three cuts of 2^-78 of the largest product, which only a plane that is edge-on to 2^-50 can feel, and its minor axis is none.
+SPANTEX_FRAME_APART constexpr int set_determinant(const plane& p, wide& det) {
+  wide minors[3];
+  set_difference(minors[0], p.u.y, p.v.c, p.u.c, p.v.y);
+  set_difference(minors[1], p.u.c, p.v.x, p.u.x, p.v.c);
+  set_difference(minors[2], p.u.x, p.v.y, p.u.y, p.v.x);
+  int bits = 79;
+  for (const wide& m : minors) bits = max_of(bits, bit_length(m));
+  det = {};
+  for (int k = 0; k < 3; ++k) {
+    round_off(minors[k], bits - 79);
+    add_product(det, minors[k], k == 0 ? p.w.x : k == 1 ? p.w.y : p.w.c);
+  }
+  if (det.negative()) negate(det);
+  return bits - 79;
+}
+
+// log2 of that, s.16; minus 200 for zero.
 SPANTEX_FRAME_APART constexpr int32_t determinant_log2(const plane& p) {
-  const wide minors[] = {difference_of_products(p.u.y, p.v.c, p.u.c, p.v.y), difference_of_products(p.u.c, p.v.x, p.u.x, p.v.c),
-                         difference_of_products(p.u.x, p.v.y, p.u.y, p.v.x)};
-  const int drop = max_of(0, max_of(bit_length(minors[0]), max_of(bit_length(minors[1]), bit_length(minors[2]))) - 79);
   wide det;
-  for (int k = 0; k < 3; ++k) add_product(det, shift_right_nearest(minors[k], drop), k == 0 ? p.w.x : k == 1 ? p.w.y : p.w.c);
-  det = magnitude(det);
+  const int drop = set_determinant(p, det);
   if (det.zero()) return -(200 << 16);
   const int cut = max_of(0, bit_length(det) - 62);
-  return log2_16(shift_right_floor(det, cut).low) + ((cut + drop) << 16);
+  return log2_16(low_after(det, cut)) + ((cut + drop) << 16);
 }
 
 }  // namespace detail
@@ -191,8 +215,8 @@ SPANTEX_FRAME_APART constexpr status narrow_forms(const rectangle& region, plane
   return status::ok;
 }
 
-// log2 K and log2 K', the former at the region's middle if that is in front of the viewer, else at its nearest corner (largest W). Errors: degenerate.
-SPANTEX_FRAME_APART constexpr status set_logs(const rectangle& region, plane& p) {
+// log2 K at the region's middle if that is in front of the viewer, else at its nearest corner (largest W). Errors: degenerate.
+SPANTEX_FRAME_APART constexpr status set_major_log2(const rectangle& region, plane& p) {
   int32_t ax = p.origin_x, ay = p.origin_y;
   if (p.w_at(ax, ay) <= 0) {
     ax = p.w.x > 0 ? 2 * region.x1 - 1 : 2 * region.x0 + 1;
@@ -200,25 +224,36 @@ SPANTEX_FRAME_APART constexpr status set_logs(const rectangle& region, plane& p)
     if (p.w_at(ax, ay) <= 0) return status::degenerate;
   }
   p.major_log2 = major_log2_at(p, ax, ay);
-  p.minor_log2 = minor_log2_of(p);
   return status::ok;
 }
 
 // The plane of the homography whose rows are its exact forms, in the plane itself: set-up takes no other memory to speak of.
-constexpr status normalise(const rectangle& region, plane& p, int& drop) {
+[[gnu::always_inline]] constexpr status normalise(const rectangle& region, plane& p, int& drop) {
   if (!on_screen(region)) return status::bad_size;
   SPANTEX_TRY(narrow_forms(region, p, drop));
-  return set_logs(region, p);
+  SPANTEX_TRY(set_major_log2(region, p));
+  p.minor_log2 = minor_log2_of(p);
+  return status::ok;
 }
-constexpr status normalise(const rectangle& region, plane& p) {
+[[gnu::always_inline]] constexpr status normalise(const rectangle& region, plane& p) {
   int drop = 0;
   return normalise(region, p, drop);
 }
 
-constexpr status normalise(const homography& m, rectangle region, plane& out, int& drop) {
-  out.exact_u = {m.a, m.b, m.c};
-  out.exact_v = {m.d, m.e, m.f};
-  out.exact_w = {m.g, m.h, m.i};
+// Rows as exact forms, one coefficient after the other.
+SPANTEX_FRAME_APART constexpr void hold(const homography& m, plane& out) {
+  out.exact_u.x = m.a;
+  out.exact_u.y = m.b;
+  out.exact_u.c = m.c;
+  out.exact_v.x = m.d;
+  out.exact_v.y = m.e;
+  out.exact_v.c = m.f;
+  out.exact_w.x = m.g;
+  out.exact_w.y = m.h;
+  out.exact_w.c = m.i;
+}
+constexpr status normalise(const homography& m, const rectangle& region, plane& out, int& drop) {
+  hold(m, out);
   return normalise(region, out, drop);
 }
 

@@ -18,6 +18,9 @@ struct vertex {
   int32_t u, v;
 };
 
+// A position of the map, s15.16 texels of level 0.
+struct texel_point { int32_t u, v; };
+
 // Where the camera's rays meet the screen: screen = focal * (x, y) / z + centre. Pixels, s15.16.
 struct projection {
   int32_t focal_x, focal_y;
@@ -41,18 +44,18 @@ constexpr homogeneous_point project(const vertex& p, const projection& c) {
 namespace detail {
 
 // Until edges are made of them, corners of a polygon lie where its edges will, as a = x, b = y, c = z: set-up takes no other memory to speak of.
+constexpr int64_t on_axis(const edge& p, int axis) { return axis == 0 ? p.a : axis == 1 ? p.b : p.c; }
 constexpr homogeneous_point corner_in(const edge& e) { return {e.a, e.b, e.c}; }
 constexpr edge held(const homogeneous_point& p) { return {p.x, p.y, p.z}; }
 
 // Row `axis` (x, y, z) of the adjugate of the matrix whose columns are three homogeneous points. At most 77 bits.
 struct adjugate_row { wide of[3]; };
-constexpr int64_t on_axis(const edge& p, int axis) { return axis == 0 ? p.a : axis == 1 ? p.b : p.c; }
 constexpr int next_of_three(int k) { return k == 2 ? 0 : k + 1; }
 constexpr void make_adjugate_row(const edge* const (&v)[3], int axis, adjugate_row& out) {
   const int next = next_of_three(axis), after = next_of_three(next);
   for (int k = 0; k < 3; ++k) {
     const edge &a = *v[next_of_three(k)], &b = *v[next_of_three(next_of_three(k))];
-    out.of[k] = difference_of_products(on_axis(a, next), on_axis(b, after), on_axis(a, after), on_axis(b, next));
+    set_difference(out.of[k], on_axis(a, next), on_axis(b, after), on_axis(a, after), on_axis(b, next));
   }
 }
 
@@ -65,11 +68,12 @@ SPANTEX_FRAME_APART constexpr void interpolate(const adjugate_row& m, int32_t t0
 }
 
 // Point where the segment from `inside` to `outside` meets the plane where a distance is zero; rounded to nearest, and always from
-// the inside end, so that two polygons sharing the edge get the same point.
-SPANTEX_FRAME_APART constexpr edge cut(const edge& inside, const edge& outside, int64_t d_in, int64_t d_out) {
-  const int64_t length = d_in - d_out;
-  const auto axis = [&](int64_t a, int64_t b) { return a + divide_nearest(multiply(b - a, d_in), length); };
-  return {axis(inside.a, outside.a), axis(inside.b, outside.b), axis(inside.c, outside.c)};
+// the inside end, so that two polygons sharing the edge get the same point. `out` may be one of the two.
+SPANTEX_FRAME_APART constexpr void cut(const edge& inside, const edge& outside, int64_t d_in, int64_t d_out, edge& out) {
+  for (int axis = 0; axis < 3; ++axis) {
+    const int64_t a = on_axis(inside, axis), b = on_axis(outside, axis);
+    (axis == 0 ? out.a : axis == 1 ? out.b : out.c) = a + divide_nearest(multiply(b - a, d_in), d_in - d_out);
+  }
 }
 
 // Sides of a view in the order in which they cut: the near plane, then two for x and two for y, in pixels.
@@ -102,11 +106,11 @@ SPANTEX_FRAME_APART constexpr void clip_to_view(int64_t near_z, const view_sides
     for (int read = start; read < max_edges - 1; ++read) {
       const int64_t here = next;
       next = distance_from(side, near_z, sides, o.edges[read + 1]);
-      const edge p = o.edges[read];
+      const edge &p = o.edges[read], &q = o.edges[read + 1];
       const auto room = [read, &kept] { return kept <= read && kept < max_clipped; };
       if (here >= 0 && room()) o.edges[kept++] = p;
-      if (here >= 0 && next < 0 && room()) o.edges[kept++] = cut(p, o.edges[read + 1], here, next);
-      if (here < 0 && next >= 0 && room()) o.edges[kept++] = cut(o.edges[read + 1], p, next, here);
+      if (here >= 0 && next < 0 && room()) cut(p, q, here, next, o.edges[kept++]);
+      if (here < 0 && next >= 0 && room()) cut(q, p, next, here, o.edges[kept++]);
     }
     o.count = kept;
   }
@@ -136,8 +140,8 @@ inline constexpr int depth_guard_bits = 16;
 
 namespace detail {
 
-// Edges, box and facing of a clipped outline, in its place. Errors: degenerate (no area, outside `clip`).
-SPANTEX_FRAME_APART constexpr status make_edges(const rectangle& clip, polygon& out) {
+// Edges, box and facing of a clipped outline, in its place; the clip rectangle is in that of the box. Errors: degenerate (no area, outside the clip rectangle).
+SPANTEX_FRAME_APART constexpr status make_edges(polygon& out) {
   edge_set& o = out.edges;
   const int corners = o.count;
   if (corners < 3) return status::degenerate;
@@ -163,14 +167,14 @@ SPANTEX_FRAME_APART constexpr status make_edges(const rectangle& clip, polygon& 
     o.edges[o.count++] = clockwise ? make_edge(p, q) : make_edge(q, p);
   }
   for (int k = o.count; k < max_edges; ++k) o.edges[k] = {};
-  out.box = intersection(clip, {left >> subpixel_bits, top >> subpixel_bits, (right >> subpixel_bits) + 1, (bottom >> subpixel_bits) + 1});
+  out.box = intersection(out.box, {left >> subpixel_bits, top >> subpixel_bits, (right >> subpixel_bits) + 1, (bottom >> subpixel_bits) + 1});
   if (out.box.empty()) return status::degenerate;
   out.front_facing = clockwise;
   return status::ok;
 }
 
 // The plane's W, scaled to depth. W = 2 W' / 2^drop.
-SPANTEX_FRAME_APART constexpr linear_form depth_form(const plane& p, const wide& determinant, int drop, int32_t near_z) {
+SPANTEX_FRAME_APART constexpr void set_depth(const plane& p, const wide& determinant, int drop, int32_t near_z, linear_form& out) {
   // W' = 2^16 det / z, so near / z * 2^31 = W' near 2^15 / |det| = W 2^(drop - 1) near 2^15 / |det|
   const wide d = magnitude(determinant);
   const int shift = bit_length(d) - 32;
@@ -178,7 +182,9 @@ SPANTEX_FRAME_APART constexpr linear_form depth_form(const plane& p, const wide&
   const uint64_t k = uint64_t(reciprocal_wide(mantissa)) * uint64_t(uint32_t(near_z));   // 2^63 near / mantissa
   const int down = 63 + shift - (drop - 1) - 15 - depth_guard_bits;
   const auto scaled = [k, down](int64_t x) { return narrowed(multiply(x, int64_t(k)), down); };
-  return {scaled(p.w.x), scaled(p.w.y), scaled(p.w.c)};
+  out.x = scaled(p.w.x);
+  out.y = scaled(p.w.y);
+  out.c = scaled(p.w.c);
 }
 
 // What vertex attributes other than u and v are interpolated with (shade.hpp).
@@ -207,55 +213,80 @@ constexpr bool is_outside(const vertex* vertices, int count, const projection& c
 
 namespace detail {
 
-// Projected corners, as they are held until edges are made. Errors: out_of_range.
-SPANTEX_FRAME_APART constexpr status hold_projected(const vertex* vertices, int count, const projection& camera, edge_set& out) {
-  out.count = 0;
-  for (int k = 0; k < count; ++k) {
-    const homogeneous_point p = project(vertices[k], camera);
-    if (magnitude(p.x) >= max_homogeneous || magnitude(p.y) >= max_homogeneous) return status::out_of_range;
-    out.edges[out.count++] = held(p);
-  }
+struct vertex_pointers { const vertex* to[max_polygon_vertices]; };
+constexpr vertex_pointers pointers_to(const vertex* vertices, int count) {
+  vertex_pointers out{};
+  for (int k = 0; k < count; ++k) out.to[k] = vertices + k;
+  return out;
+}
+
+// A corner more, projected, as it is held until edges are made. Errors: out_of_range.
+SPANTEX_FRAME_APART constexpr status hold_projected(const vertex& v, const projection& camera, edge_set& out) {
+  const homogeneous_point p = project(v, camera);
+  if (magnitude(p.x) >= max_homogeneous || magnitude(p.y) >= max_homogeneous) return status::out_of_range;
+  out.edges[out.count++] = held(p);
   return status::ok;
 }
 
+struct three_texels { texel_point at[3]; };
 constexpr wide& coefficient(wide_form& f, int axis) { return axis == 0 ? f.x : axis == 1 ? f.y : f.c; }
-constexpr void negate(wide_form& f) { f = {-f.x, -f.y, -f.c}; }
 
-// u/z = (adj . u) / det and 1/z = (adj . 1) / det, of vertices 0, second and second + 1: det cancels in u but for its sign.
-SPANTEX_FRAME_APART constexpr wide make_forms(const vertex* vertices, int second, polygon& out) {
+// u/z = (adj . u) / det and 1/z = (adj . 1) / det, of held corners 0, second and second + 1: det cancels in u but for its sign.
+SPANTEX_FRAME_APART constexpr void make_forms(const three_texels& map, int second, polygon& out, wide& determinant) {
   const edge* const corners[] = {&out.edges.edges[0], &out.edges.edges[second], &out.edges.edges[second + 1]};
-  const vertex &a = vertices[0], &b = vertices[second], &c = vertices[second + 1];
   constexpr int32_t one = 1 << 16;  // u, v carry 16 fraction bits, so W must
   plane& p = out.map;
-  wide determinant;
+  determinant = {};
   for (int axis = 0; axis < 3; ++axis) {
     adjugate_row row;
     make_adjugate_row(corners, axis, row);
     add_product(determinant, row.of[0], on_axis(*corners[0], axis));
-    interpolate(row, a.u, b.u, c.u, coefficient(p.exact_u, axis));
-    interpolate(row, a.v, b.v, c.v, coefficient(p.exact_v, axis));
+    interpolate(row, map.at[0].u, map.at[1].u, map.at[2].u, coefficient(p.exact_u, axis));
+    interpolate(row, map.at[0].v, map.at[1].v, map.at[2].v, coefficient(p.exact_v, axis));
     interpolate(row, one, one, one, coefficient(p.exact_w, axis));
   }
-  for (int k = 0; k < 3 && determinant.negative(); ++k) negate(exact_form(p, k));
-  return determinant;
+  for (int k = 0; k < 3 && determinant.negative(); ++k)
+    for (int axis = 0; axis < 3; ++axis) negate(coefficient(exact_form(p, k), axis));
 }
 
-SPANTEX_FRAME_APART constexpr status make_polygon(const vertex* vertices, int count, const projection& camera, const rectangle& clip, polygon& out,
-                                                  polygon_basis& basis) {
-  if (count < 3 || count > max_polygon_vertices) return status::bad_size;
-  if (!on_screen(clip)) return status::bad_size;
-  if (camera.near_z <= 0) return status::out_of_range;
-  SPANTEX_TRY(hold_projected(vertices, count, camera, out.edges));
-  basis = {0, 0};
-  wide determinant;
-  do determinant = make_forms(vertices, ++basis.second, out);
-  while (determinant.zero() && basis.second + 2 < count);
+// The rest of set-up, from held corners and forms. Errors: degenerate.
+[[gnu::always_inline]] constexpr status finish_polygon(int32_t near_z, const wide& determinant, int& drop, polygon& out) {
   if (determinant.zero()) return status::degenerate;
-  clip_to_view(camera.near_z, guard_band, out.edges);
-  SPANTEX_TRY(make_edges(clip, out));
-  SPANTEX_TRY(normalise(out.box, out.map, basis.drop));
-  out.depth = depth_form(out.map, determinant, basis.drop, camera.near_z);
+  clip_to_view(near_z, guard_band, out.edges);
+  SPANTEX_TRY(make_edges(out));
+  SPANTEX_TRY(normalise(out.box, out.map, drop));
+  set_depth(out.map, determinant, drop, near_z, out.depth);
   return status::ok;
+}
+
+[[gnu::always_inline]] constexpr status finish_triangle(int32_t near_z, const three_texels& map, polygon& out) {
+  wide determinant;
+  make_forms(map, 1, out, determinant);
+  int drop = 0;
+  return finish_polygon(near_z, determinant, drop, out);
+}
+
+// No corners yet; the clip rectangle is out.box. Errors: bad_size, out_of_range.
+constexpr status begin_polygon(const projection& camera, polygon& out) {
+  out.edges.count = 0;
+  if (!on_screen(out.box)) return status::bad_size;
+  return camera.near_z <= 0 ? status::out_of_range : status::ok;
+}
+
+// The clip rectangle is out.box.
+SPANTEX_FRAME_APART constexpr status make_polygon(const vertex* const* vertices, int count, const projection& camera, polygon& out, polygon_basis& basis) {
+  if (count < 3 || count > max_polygon_vertices) return status::bad_size;
+  SPANTEX_TRY(begin_polygon(camera, out));
+  for (int k = 0; k < count; ++k) SPANTEX_TRY(hold_projected(*vertices[k], camera, out.edges));
+  int& second = basis.second;
+  second = 0;
+  wide determinant;
+  do {
+    ++second;
+    const vertex &a = *vertices[0], &b = *vertices[second], &c = *vertices[second + 1];
+    make_forms({{{a.u, a.v}, {b.u, b.v}, {c.u, c.v}}}, second, out, determinant);
+  } while (determinant.zero() && second + 2 < count);
+  return finish_polygon(camera.near_z, determinant, basis.drop, out);
 }
 
 }  // namespace detail
@@ -265,8 +296,10 @@ SPANTEX_FRAME_APART constexpr status make_polygon(const vertex* vertices, int co
 // 2^28 pixels times depth), degenerate (zero area, edge-on, outside).
 // No divisor W <= 0 survives: what lies nearer than near_z is cut off before projection.
 constexpr status make_polygon(const vertex* vertices, int count, const projection& camera, rectangle clip, polygon& out) {
+  if (count < 3 || count > max_polygon_vertices) return status::bad_size;
   detail::polygon_basis basis{};
-  return detail::make_polygon(vertices, count, camera, clip, out, basis);
+  out.box = clip;
+  return detail::make_polygon(detail::pointers_to(vertices, count).to, count, camera, out, basis);
 }
 
 namespace detail {

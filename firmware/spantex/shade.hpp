@@ -112,8 +112,10 @@ constexpr rgba8 colour_at(const colour_forms& f, const linear_form& w_form, int3
 // the texture plane determine those of the others: a polygon of more must have them in that plane (else draw triangles).
 constexpr status make_polygon(const vertex* vertices, const rgba8* colours, int count, const projection& camera, rectangle clip, polygon& out,
                               colour_forms& forms) {
+  if (count < 3 || count > max_polygon_vertices) return status::bad_size;
   detail::polygon_basis basis{};
-  SPANTEX_TRY(detail::make_polygon(vertices, count, camera, clip, out, basis));
+  out.box = clip;
+  SPANTEX_TRY(detail::make_polygon(detail::pointers_to(vertices, count).to, count, camera, out, basis));
   forms = detail::make_colour_forms(basis, vertices, camera, colours, out);
   return status::ok;
 }

@@ -80,25 +80,80 @@ status with_filter(spantex_filter kind, const Draw& draw) {
   return status::out_of_range;
 }
 
-// One surface of a map that was set up, by any filter.
-template <class What>
-spantex_status draw_one(spantex_state* state, const spantex_target* target, const spantex_map* map, spantex_filter filter, const What& what) {
-  return outside(with_filter(filter, [&](auto kind) { return rows::draw<decltype(kind)::value>(in(*state), in(*target), what, in(*map)); }));
+// What callers describe, for rows/pictures.hpp: set up with frames of their own.
+struct quad {
+  const spantex_point* corners;
+  const spantex_texel_point* map;
+};
+SPANTEX_FRAME_APART status set_up(rows::picture_state& memory, const target_type& target, const quad& q, const texture_view& t) {
+  polygon& p = memory.shape;
+  p.box = rows::screen_of(target);
+  SPANTEX_TRY(detail::begin_picture(p));
+  for (int k = 0; k < 4; ++k)
+    SPANTEX_TRY(detail::hold_corner(inside(q.corners[k]), q.map != nullptr ? inside(q.map[k]) : corner_of_map(k, t.width(), t.height()), 1, p.edges));
+  return detail::finish_picture(p);
+}
+struct sprite_view { const spantex_sprite* of; };
+SPANTEX_FRAME_APART status set_up(rows::picture_state& memory, const target_type& target, const sprite_view& view, const texture_view& t) {
+  const spantex_sprite& s = *view.of;
+  return rows::detail::set_up(memory, target, sprite{inside(s.at), inside(s.pivot), s.scale_x, s.scale_y, s.angle}, t);
+}
+struct floor_view {
+  const spantex_camera* camera;
+  const spantex_floor* map;
+};
+SPANTEX_FRAME_APART status set_up_plane(rows::picture_state& memory, const target_type& target, const floor_view& f) {
+  memory.shape.box = rows::screen_of(target);
+  return make_floor(inside(*f.camera), {f.map->x, f.map->z, f.map->height, f.map->texels_per_unit}, memory.shape.box, memory.shape.map);
+}
+struct cube_view {
+  const spantex_camera* camera;
+  const spantex_map* const* faces;
+};
+const texture_view* face_of(const cube_view& cube, int face) { return cube.faces[face] == nullptr ? nullptr : &in(*cube.faces[face]); }
+SPANTEX_FRAME_APART status set_up_face(rows::picture_state& memory, const target_type& target, const cube_view& cube, int face) {
+  const texture_view& t = in(*cube.faces[face]);
+  memory.shape.box = rows::screen_of(target);
+  return detail::make_cube_face(inside(*cube.camera), cube_face(face), t.width(), t.height(), memory.shape);
 }
 
 template <class Vertex>
 struct list_of {
   const Vertex* vertices;
-  int32_t vertex_count;
   const uint16_t* indices;
   int32_t triangle_count;
   rows::culling cull;
 };
+struct triangles : list_of<spantex_screen_vertex> {};
+struct mesh : list_of<spantex_vertex> { const spantex_projection* camera; };
 
-template <class Vertex, class SetUp>
-spantex_status draw_list(spantex_state* state, const spantex_target* target, const spantex_map* map, spantex_filter filter, const list_of<Vertex>& list, const SetUp& set_up) {
+SPANTEX_FRAME_APART status set_up_triangle(rows::picture_state& memory, const target_type& target, const triangles& list, int32_t k) {
+  polygon& p = memory.shape;
+  p.box = rows::screen_of(target);
+  SPANTEX_TRY(detail::begin_picture(p));
+  for (int n = 0; n < 3; ++n) {
+    const spantex_screen_vertex& v = rows::detail::corner_of(list, k, n);
+    SPANTEX_TRY(detail::hold_corner(inside(v.at), inside(v.map), v.w, p.edges));
+  }
+  return detail::finish_picture(p);
+}
+SPANTEX_FRAME_APART status set_up_triangle(rows::picture_state& memory, const target_type& target, const mesh& list, int32_t k) {
+  const projection camera{list.camera->focal_x, list.camera->focal_y, list.camera->centre_x, list.camera->centre_y, list.camera->near_z};
+  memory.shape.box = rows::screen_of(target);
+  detail::three_texels map{};
+  SPANTEX_TRY(detail::begin_polygon(camera, memory.shape));
+  for (int n = 0; n < 3; ++n) {
+    const vertex v = inside(rows::detail::corner_of(list, k, n));
+    SPANTEX_TRY(detail::hold_projected(v, camera, memory.shape.edges));
+    map.at[n] = {v.u, v.v};
+  }
+  return detail::finish_triangle(camera.near_z, map, memory.shape);
+}
+
+template <class List>
+spantex_status draw_list(spantex_state* state, const spantex_target* target, const spantex_map* map, spantex_filter filter, const List& list) {
   if (const status s = check_call(state, target, map, state); s != status::ok) return outside(s);
-  return outside(with_filter(filter, [&](auto kind) { return rows::detail::draw_list<decltype(kind)::value>(in(*state), in(*target), list, in(*map), set_up); }));
+  return outside(with_filter(filter, [&](auto kind) { return rows::detail::draw_list<decltype(kind)::value>(in(*state), in(*target), list, in(*map)); }));
 }
 
 // Not inlined: its frame is not to lie under that of drawing.
@@ -120,18 +175,17 @@ const char* spantex_status_string(spantex_status s) { return to_string(unsigned(
 spantex_status spantex_map_init(spantex_map* map, const uint16_t* const* levels, int level_count, int32_t width, int32_t height, spantex_wrap wrap_u, spantex_wrap wrap_v) {
   if (map == nullptr || levels == nullptr) return SPANTEX_BAD_POINTER;
   if (unsigned(wrap_u) > SPANTEX_MIRROR || unsigned(wrap_v) > SPANTEX_MIRROR) return SPANTEX_OUT_OF_RANGE;
-  in(*map) = {};
+  in(*map).reset();
   return outside(texture_view::make(texel_format::rgb565, levels, level_count, width, height, wrap(wrap_u), wrap(wrap_v), in(*map)));
 }
 
 spantex_status spantex_map_open(spantex_map* map, const void* pack, size_t bytes, int check_payload) {
   if (map == nullptr) return SPANTEX_BAD_POINTER;
-  in(*map) = {};
-  texture_pack opened;
-  if (const status s = texture_pack::open(pack, bytes, opened, check_payload != 0 ? payload_check::crc : payload_check::none); s != status::ok) return outside(s);
-  if (opened.view().format() != texel_format::rgb565) return SPANTEX_OUT_OF_RANGE;
-  in(*map) = opened.view();
-  return SPANTEX_OK;
+  in(*map).reset();
+  if (const status s = texture_pack::open_view(pack, bytes, in(*map), check_payload != 0 ? payload_check::crc : payload_check::none); s != status::ok) return outside(s);
+  if (in(*map).format() == texel_format::rgb565) return SPANTEX_OK;
+  in(*map).reset();
+  return SPANTEX_OUT_OF_RANGE;
 }
 
 spantex_status spantex_target_init(spantex_target* target, spantex_format format, void* pixels, int32_t stride_bytes, spantex_rectangle held) {
@@ -169,64 +223,52 @@ spantex_status spantex_draw_plane(spantex_state* state, const spantex_target* ta
                                   spantex_rectangle area) {
   if (const status s = check_call(state, target, map, m); s != status::ok) return outside(s);
   return outside(with_filter(filter, [&](auto kind) {
-    plane& p = in(*state).shape.map;
+    polygon& p = in(*state).shape;
     SPANTEX_TRY(rows::check(in(*map), kind.value));
-    SPANTEX_TRY(set_up(*m, *target, p));
-    return rows::draw<decltype(kind)::value>(in(*state), in(*target), p, in(*map), inside(area));
+    SPANTEX_TRY(set_up(*m, *target, p.map));
+    p.box = inside(area);
+    return rows::draw<decltype(kind)::value>(in(*state), in(*target), p.map, in(*map), p.box);
   }));
 }
 
 spantex_status spantex_draw_quad(spantex_state* state, const spantex_target* target, const spantex_map* map, spantex_filter filter, const spantex_point* c,
                                  const spantex_texel_point* at) {
   if (const status s = check_call(state, target, map, c); s != status::ok) return outside(s);
-  rows::quad q{{inside(c[0]), inside(c[1]), inside(c[2]), inside(c[3])}};
-  texel_point own[4] = {};
-  for (int k = 0; k < 4 && at != nullptr; ++k) own[k] = inside(at[k]);
-  if (at != nullptr) q.map = own;
-  return draw_one(state, target, map, filter, q);
+  return outside(with_filter(filter, [&](auto kind) { return rows::detail::draw_set_up<decltype(kind)::value>(in(*state), in(*target), quad{c, at}, in(*map)); }));
 }
 
 spantex_status spantex_draw_sprite(spantex_state* state, const spantex_target* target, const spantex_map* map, spantex_filter filter, const spantex_sprite* s) {
   if (const status bad = check_call(state, target, map, s); bad != status::ok) return outside(bad);
-  return draw_one(state, target, map, filter, sprite{inside(s->at), inside(s->pivot), s->scale_x, s->scale_y, s->angle});
+  return outside(with_filter(filter, [&](auto kind) { return rows::detail::draw_set_up<decltype(kind)::value>(in(*state), in(*target), sprite_view{s}, in(*map)); }));
 }
 
 spantex_status spantex_draw_triangles(spantex_state* state, const spantex_target* target, const spantex_map* map, spantex_filter filter,
                                       const spantex_screen_vertex* vertices, int32_t vertex_count, const uint16_t* indices, int32_t triangle_count, int back_faces) {
-  const list_of<spantex_screen_vertex> list{vertices, vertex_count, indices, triangle_count, culling_of(back_faces)};
-  return draw_list(state, target, map, filter, list, [&](const spantex_screen_vertex& a, const spantex_screen_vertex& b, const spantex_screen_vertex& c) {
-    return make_triangle({inside(a), inside(b), inside(c)}, rows::screen_of(in(*target)), in(*state).shape);
-  });
+  if (const status s = rows::detail::check_list(vertices, vertex_count, indices, triangle_count); s != status::ok) return outside(s);
+  return draw_list(state, target, map, filter, triangles{{vertices, indices, triangle_count, culling_of(back_faces)}});
 }
 
 spantex_status spantex_draw_mesh(spantex_state* state, const spantex_target* target, const spantex_map* map, spantex_filter filter, const spantex_projection* camera,
                                  const spantex_vertex* vertices, int32_t vertex_count, const uint16_t* indices, int32_t triangle_count, int back_faces) {
   if (camera == nullptr) return SPANTEX_BAD_POINTER;
-  const projection from{camera->focal_x, camera->focal_y, camera->centre_x, camera->centre_y, camera->near_z};
-  const list_of<spantex_vertex> list{vertices, vertex_count, indices, triangle_count, culling_of(back_faces)};
-  return draw_list(state, target, map, filter, list, [&](const spantex_vertex& a, const spantex_vertex& b, const spantex_vertex& c) {
-    const vertex corners[] = {inside(a), inside(b), inside(c)};
-    return make_polygon(corners, 3, from, rows::screen_of(in(*target)), in(*state).shape);
-  });
+  if (const status s = rows::detail::check_list(vertices, vertex_count, indices, triangle_count); s != status::ok) return outside(s);
+  return draw_list(state, target, map, filter, mesh{{vertices, indices, triangle_count, culling_of(back_faces)}, camera});
 }
 
 spantex_status spantex_draw_floor(spantex_state* state, const spantex_target* target, const spantex_map* map, spantex_filter filter, const spantex_camera* camera,
                                   const spantex_floor* f) {
   if (const status s = check_call(state, target, map, f); s != status::ok) return outside(s);
   if (camera == nullptr) return SPANTEX_BAD_POINTER;
-  return draw_one(state, target, map, filter, rows::floor_view{inside(*camera), {f->x, f->z, f->height, f->texels_per_unit}});
+  return outside(with_filter(filter, [&](auto kind) { return rows::detail::draw_floor<decltype(kind)::value>(in(*state), in(*target), floor_view{camera, f}, in(*map)); }));
 }
 
 spantex_status spantex_draw_cube(spantex_state* state, const spantex_target* target, const spantex_map* const faces[6], spantex_filter filter, const spantex_camera* camera) {
   if (const status s = check_objects(state, target); s != status::ok) return outside(s);
   if (faces == nullptr || camera == nullptr) return SPANTEX_BAD_POINTER;
-  rows::cube_view cube{inside(*camera), {}};
-  for (int k = 0; k < cube_face_count; ++k) {
-    if (faces[k] == nullptr) continue;
-    if (const status s = check_map(faces[k]); s != status::ok) return outside(s);
-    cube.faces[k] = &in(*faces[k]);
-  }
-  return outside(with_filter(filter, [&](auto kind) { return rows::draw<decltype(kind)::value>(in(*state), in(*target), cube); }));
+  for (int k = 0; k < cube_face_count; ++k)
+    if (faces[k] != nullptr)
+      if (const status s = check_map(faces[k]); s != status::ok) return outside(s);
+  return outside(with_filter(filter, [&](auto kind) { return rows::detail::draw_cube<decltype(kind)::value>(in(*state), in(*target), cube_view{camera, faces}); }));
 }
 
 spantex_status spantex_draw_tiles(const spantex_display* display, spantex_format format, spantex_rectangle screen, int32_t tile_width, int32_t tile_height, void* buffer0,
@@ -238,13 +280,10 @@ spantex_status spantex_draw_tiles(const spantex_display* display, spantex_format
     void start(const rectangle& w, const uint8_t* from, uint32_t count, int buffer) const { to.start(to.user, {w.x0, w.y0, w.x1, w.y1}, from, count, buffer); }
     void wait(int buffer) const { to.wait(to.user, buffer); }
   } called{*display};
-  const auto draw_tile = [&](const target_type& t) {
-    spantex_target tile;
-    in(tile) = t;
-    return status(draw(user, &tile));
-  };
-  return outside(rows::draw_tiles(called, inside(screen), tile_width, tile_height, {{static_cast<uint8_t*>(buffer0), static_cast<uint8_t*>(buffer1)}, bytes}, draw_tile,
-                                  rows::any_format{pixel_format(format)}));
+  spantex_target tile;
+  const auto draw_tile = [&](const target_type&) { return status(draw(user, &tile)); };
+  return outside(rows::detail::draw_tiles(called, inside(screen), tile_width, tile_height, {{static_cast<uint8_t*>(buffer0), static_cast<uint8_t*>(buffer1)}, bytes}, draw_tile,
+                                          rows::any_format{pixel_format(format)}, in(tile)));
 }
 
 }  // extern "C"

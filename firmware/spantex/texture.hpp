@@ -36,12 +36,10 @@ class texture_view {
   static constexpr status make(const rgba8* const* levels, int level_count, int32_t width, int32_t height,
                                wrap wrap_u, wrap wrap_v, texture_view& out) {
     SPANTEX_TRY(check_shape(level_count, width, height));
-    texture_view t;
-    for (int k = 0; k < level_count; ++k) {
+    for (int k = 0; k < level_count; ++k)
       if (levels[k] == nullptr) return status::bad_pointer;
-      t.levels_[k].colours = levels[k];
-    }
-    out = shaped(t, level_count, width, height, wrap_u, wrap_v);
+    out.set_shape(texel_format::rgba8888, level_count, width, height, wrap_u, wrap_v);
+    for (int k = 0; k < level_count; ++k) out.levels_[k].colours = levels[k];
     return status::ok;
   }
 
@@ -50,13 +48,10 @@ class texture_view {
                                wrap wrap_u, wrap wrap_v, texture_view& out) {
     if (!is_16_bit(format)) return status::out_of_range;
     SPANTEX_TRY(check_shape(level_count, width, height));
-    texture_view t;
-    for (int k = 0; k < level_count; ++k) {
+    for (int k = 0; k < level_count; ++k)
       if (levels[k] == nullptr) return status::bad_pointer;
-      t.levels_[k].numbers = levels[k];
-    }
-    t.format_ = format;
-    out = shaped(t, level_count, width, height, wrap_u, wrap_v);
+    out.set_shape(format, level_count, width, height, wrap_u, wrap_v);
+    for (int k = 0; k < level_count; ++k) out.levels_[k].numbers = levels[k];
     return status::ok;
   }
 
@@ -67,23 +62,32 @@ class texture_view {
                      wrap wrap_v, texture_view& out, const rgba8* palette = nullptr, int palette_count = 0) {
     if (int(format) >= texel_format_count) return status::out_of_range;
     SPANTEX_TRY(check_shape(level_count, width, height));
-    texture_view t;
     for (int k = 0; k < level_count; ++k) {
       if (levels[k] == nullptr) return status::bad_pointer;
       if (is_16_bit(format) && reinterpret_cast<uintptr_t>(levels[k]) % alignof(uint16_t) != 0) return status::bad_alignment;
-      t.levels_[k] = typed(format, levels[k]);
     }
-    if (palette_size(format) != 0) {
-      if (palette == nullptr) return status::bad_pointer;
-      if (palette_count < 1 || palette_count > palette_size(format)) return status::out_of_range;
-      t.palette_ = palette;
-      t.palette_count_ = int16_t(palette_count);
+    const bool has_palette = palette_size(format) != 0;
+    if (has_palette && palette == nullptr) return status::bad_pointer;
+    if (has_palette && (palette_count < 1 || palette_count > palette_size(format))) return status::out_of_range;
+    out.set_shape(format, level_count, width, height, wrap_u, wrap_v);
+    for (int k = 0; k < level_count; ++k) out.levels_[k] = typed(format, levels[k]);
+    if (has_palette) {
+      out.palette_ = palette;
+      out.palette_count_ = int16_t(palette_count);
     }
-    t.format_ = format;
-    t.decode_ = decoder_of(format);
-    out = shaped(t, level_count, width, height, wrap_u, wrap_v);
+    out.decode_ = decoder_of(format);
     return status::ok;
   }
+
+  // Errors of a number of levels and a size, as make() has them.
+  static constexpr status check_shape(int level_count, int32_t width, int32_t height) {
+    if (width < 1 || height < 1 || width > max_texture_side || height > max_texture_side) return status::bad_size;
+    if (level_count < 1 || level_count > bit_length(uint64_t(max_of(width, height)))) return status::bad_levels;
+    return status::ok;
+  }
+
+  // As constructed: no levels.
+  constexpr void reset() { set_shape(texel_format::rgba8888, 0, 0, 0, wrap::repeat, wrap::repeat); }
 
   constexpr int32_t width(int level = 0) const { return level_side(width_, level); }
   constexpr int32_t height(int level = 0) const { return level_side(height_, level); }
@@ -148,23 +152,25 @@ class texture_view {
   }
 
  private:
-  static constexpr status check_shape(int level_count, int32_t width, int32_t height) {
-    if (width < 1 || height < 1 || width > max_texture_side || height > max_texture_side) return status::bad_size;
-    if (level_count < 1 || level_count > bit_length(uint64_t(max_of(width, height)))) return status::bad_levels;
-    return status::ok;
-  }
-
-  static constexpr texture_view shaped(texture_view t, int level_count, int32_t width, int32_t height, wrap wrap_u, wrap wrap_v) {
-    for (int k = 0; k < level_count; ++k) {
-      t.ratio_u_[k] = ratio(width, k);
-      t.ratio_v_[k] = ratio(height, k);
+  // Everything but levels, palette and decoder, which are none. In place: a view is 190 bytes, which a small core's stack is not to hold too.
+  SPANTEX_FRAME_APART constexpr void set_shape(texel_format format, int level_count, int32_t width, int32_t height, wrap wrap_u, wrap wrap_v) {
+    for (int k = 0; k < max_levels; ++k) {
+      levels_[k] = {};
+      ratio_u_[k] = k < level_count ? ratio(width, k) : 0;
+      ratio_v_[k] = k < level_count ? ratio(height, k) : 0;
     }
-    t.width_ = width;
-    t.height_ = height;
-    t.level_count_ = uint8_t(level_count);
-    t.wrap_u_ = wrap_u;
-    t.wrap_v_ = wrap_v;
-    return t;
+    palette_ = nullptr;
+    decode_ = nullptr;
+    width_ = width;
+    height_ = height;
+    palette_count_ = 0;
+    level_count_ = uint8_t(level_count);
+    format_ = format;
+    wrap_u_ = wrap_u;
+    wrap_v_ = wrap_v;
+    colours_ = colour_space::coded;
+    contour_ = {};
+    facts_ = {};
   }
 
   // A side that has shrunk to 1 has no ratio to keep: the position on it is always texel 0.

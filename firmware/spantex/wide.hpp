@@ -30,34 +30,50 @@ SPANTEX_WRAPS constexpr wide operator-(const wide& a) {
   return {int64_t(~uint64_t(a.high) + (a.low == 0 ? 1u : 0u)), 0 - a.low};
 }
 
+SPANTEX_WRAPS SPANTEX_FRAME_APART constexpr void negate(wide& a) {
+  a.low = 0 - a.low;
+  a.high = int64_t(~uint64_t(a.high) + (a.low == 0 ? 1u : 0u));
+}
+
 constexpr wide operator-(const wide& a, const wide& b) { return a + -b; }
 
-constexpr wide magnitude(const wide& a) {
-  const wide opposite = -a;
-  const bool negative = a.negative();
-  return {negative ? opposite.high : a.high, negative ? opposite.low : a.low};
+SPANTEX_WRAPS constexpr wide magnitude(const wide& a) {
+  const uint64_t sign = a.negative() ? ~uint64_t(0) : 0;
+  const uint64_t low = (a.low ^ sign) - sign, carry = low == 0 ? sign : 0;
+  return {int64_t((uint64_t(a.high) ^ sign) - carry), low};
+}
+
+// sum += a b, unsigned: four products of 32 bits, each added where it belongs.
+SPANTEX_WRAPS SPANTEX_FRAME_APART constexpr void accumulate(wide& sum, uint64_t a, uint64_t b) {
+  const auto add = [&sum](uint64_t low, uint64_t high) {
+    sum.low += low;
+    sum.high = int64_t(uint64_t(sum.high) + high + (sum.low < low ? 1u : 0u));
+  };
+  const uint32_t a0 = uint32_t(a), a1 = uint32_t(a >> 32), b0 = uint32_t(b), b1 = uint32_t(b >> 32);
+  add(multiply_32(a0, b0), multiply_32(a1, b1));
+  const uint64_t first = multiply_32(a0, b1);
+  add(first << 32, first >> 32);
+  const uint64_t second = multiply_32(a1, b0);
+  add(second << 32, second >> 32);
 }
 
 // 64 x 64 -> 128, unsigned.
 constexpr wide multiply_unsigned(uint64_t a, uint64_t b) {
-  const uint32_t a0 = uint32_t(a), a1 = uint32_t(a >> 32), b0 = uint32_t(b), b1 = uint32_t(b >> 32);
-  const uint64_t p00 = multiply_32(a0, b0), p01 = multiply_32(a0, b1), p10 = multiply_32(a1, b0), p11 = multiply_32(a1, b1);
-  const uint64_t middle = (p00 >> 32) + uint32_t(p01) + uint32_t(p10);
-  return {int64_t(p11 + (p01 >> 32) + (p10 >> 32) + (middle >> 32)), (middle << 32) | uint32_t(p00)};
+  wide p;
+  accumulate(p, a, b);
+  return p;
 }
 
 // sum += a b: exact, as the product. In two's complement: a negative factor is 2^64 too large as an unsigned one.
 SPANTEX_WRAPS SPANTEX_FRAME_APART constexpr void add_product(wide& sum, int64_t a, int64_t b) {
-  wide p = multiply_unsigned(uint64_t(a), uint64_t(b));
-  p.high = int64_t(uint64_t(p.high) - (a < 0 ? uint64_t(b) : 0) - (b < 0 ? uint64_t(a) : 0));
-  sum = sum + p;
+  sum.high = int64_t(uint64_t(sum.high) - (a < 0 ? uint64_t(b) : 0) - (b < 0 ? uint64_t(a) : 0));
+  accumulate(sum, uint64_t(a), uint64_t(b));
 }
 
 // The same of 128 x 64 bits. The caller guarantees that the product fits.
 SPANTEX_WRAPS SPANTEX_FRAME_APART constexpr void add_product(wide& sum, const wide& a, int64_t b) {
-  wide p = multiply_unsigned(a.low, uint64_t(b));
-  p.high = int64_t(uint64_t(p.high) + uint64_t(a.high) * uint64_t(b) - (b < 0 ? a.low : 0));
-  sum = sum + p;
+  sum.high = int64_t(uint64_t(sum.high) + uint64_t(a.high) * uint64_t(b) - (b < 0 ? a.low : 0));
+  accumulate(sum, a.low, uint64_t(b));
 }
 
 // 64 x 64 -> 128, signed, exact.
@@ -74,9 +90,13 @@ constexpr wide multiply(const wide& a, int64_t b) {
   return p;
 }
 
-constexpr int bit_length(const wide& a) {
-  const wide m = magnitude(a);
-  return m.high != 0 ? 64 + bit_length(uint64_t(m.high)) : bit_length(m.low);
+SPANTEX_WRAPS constexpr int bit_length(const wide& a) {
+  uint64_t high = uint64_t(a.high), low = a.low;
+  if (a.negative()) {
+    low = 0 - low;
+    high = ~high + (low == 0 ? 1u : 0u);
+  }
+  return high != 0 ? 64 + bit_length(high) : bit_length(low);
 }
 
 constexpr wide shift_left(const wide& a, int n) {
@@ -91,13 +111,23 @@ constexpr wide shift_right_floor(const wide& a, int n) {
   return {a.high >> n, (uint64_t(a.high) << (64 - n)) | (a.low >> n)};
 }
 
-// a / 2^n to nearest, halves away from zero.
-SPANTEX_FRAME_APART constexpr wide shift_right_nearest(const wide& a, int n) {
-  if (n == 0) return a;
-  wide m = magnitude(a);
-  const uint64_t half = n > 64 ? uint64_t(m.high) >> (n - 65) : m.low >> (n - 1);
-  m = shift_right_floor(m, n) + wide(int64_t(half & 1));
-  return a.negative() ? -m : m;
+// The low 64 bits of that.
+constexpr uint64_t low_after(const wide& a, int n) { return n >= 64 ? uint64_t(a.high >> (n - 64)) : n == 0 ? a.low : (uint64_t(a.high) << (64 - n)) | (a.low >> n); }
+
+// a / 2^n to nearest, halves away from zero; in place.
+SPANTEX_FRAME_APART constexpr void round_off(wide& a, int n) {
+  if (n == 0) return;
+  const bool negative = a.negative();
+  if (negative) negate(a);
+  const bool half = ((n > 64 ? uint64_t(a.high) >> (n - 65) : a.low >> (n - 1)) & 1) != 0;
+  a = shift_right_floor(a, n);
+  if (half && ++a.low == 0) ++a.high;
+  if (negative) negate(a);
+}
+constexpr wide shift_right_nearest(const wide& a, int n) {
+  wide out = a;
+  round_off(out, n);
+  return out;
 }
 
 // a * 2^-n for any sign of n, to nearest.

@@ -2,7 +2,9 @@
 // Polygons: meshes without gaps or overlaps after projection and clipping, nothing behind the viewer, depth, and what is refused.
 #include <tests/support.hpp>
 
+#include <algorithm>
 #include <tuple>
+#include <vector>
 
 using namespace spantex;
 using namespace spantex::sim;
@@ -126,6 +128,45 @@ SPANTEX_CASE(convex_polygons_that_share_edges_draw_every_pixel_once) {
         assert_int_equal(counted.at[y][x], inside ? 1 : 0);
       }
   }
+}
+
+// Octagons around and beside the viewer, clipped in place by all sides of the view, against Sutherland and Hodgman with room to spare.
+SPANTEX_CASE(outlines_of_most_corners_are_clipped_in_place) {
+  static constexpr int8_t shape[8][2] = {{2, 1}, {1, 2}, {-1, 2}, {-2, 1}, {-2, -1}, {-1, -2}, {1, -2}, {2, -1}};
+  random_source random(73);
+  int most = 0, cut_by[spantex::detail::view_side_count] = {};
+  for (int n = 0; n < 20000; ++n) {
+    const int32_t reach = int32_t(random.between(1, 200));
+    const auto some = [&](int32_t size) { return int32_t(random.between(-size, size)); };
+    const int32_t at[3] = {some(8 * one), some(8 * one), some(8 * one)}, u[3] = {some(one), some(one), some(one)}, w[3] = {some(one), some(one), some(one)};
+    edge_set held{};
+    std::vector<edge> outline;
+    for (const auto& corner : shape) {
+      const auto axis = [&](int i) { return at[i] + reach * (corner[0] * u[i] + corner[1] * w[i]); };
+      outline.push_back(spantex::detail::held(project({axis(0), axis(1), axis(2), 0, 0}, camera)));
+      held.edges[held.count++] = outline.back();
+    }
+    spantex::detail::clip_to_view(camera.near_z, spantex::detail::guard_band, held);
+    for (int side = 0; side < spantex::detail::view_side_count; ++side) {
+      std::vector<edge> kept;
+      for (size_t k = 0; k < outline.size(); ++k) {
+        const edge &p = outline[k], &q = outline[(k + 1) % outline.size()];
+        const int64_t here = spantex::detail::distance_from(side, camera.near_z, spantex::detail::guard_band, p), next = spantex::detail::distance_from(side, camera.near_z, spantex::detail::guard_band, q);
+        edge between{};
+        if (here >= 0) kept.push_back(p);
+        if ((here >= 0) == (next >= 0)) continue;
+        here >= 0 ? spantex::detail::cut(p, q, here, next, between) : spantex::detail::cut(q, p, next, here, between);
+        kept.push_back(between);
+        ++cut_by[side];
+      }
+      outline = kept;
+    }
+    assert_int_equal(held.count, outline.size());
+    for (int k = 0; k < held.count; ++k) assert_true(held.edges[k] == outline[size_t(k)]);
+    most = std::max(most, held.count);
+  }
+  assert_true(most > 10);
+  for (const int cuts : cut_by) assert_true(cuts > 1000);
 }
 
 SPANTEX_CASE(both_directions_round_a_polygon_cover_the_same_pixels) {
@@ -365,6 +406,7 @@ int main() {
       cmocka_unit_test(a_floor_of_triangles_that_passes_below_and_behind_the_viewer_has_no_gap_and_no_overlap),
       cmocka_unit_test(a_floor_of_quadrilaterals_has_no_gap_and_no_overlap),
       cmocka_unit_test(convex_polygons_that_share_edges_draw_every_pixel_once),
+      cmocka_unit_test(outlines_of_most_corners_are_clipped_in_place),
       cmocka_unit_test(both_directions_round_a_polygon_cover_the_same_pixels),
       cmocka_unit_test(covered_pixels_of_any_triangle_are_in_front_of_the_viewer),
       cmocka_unit_test(a_polygon_behind_the_near_plane_is_degenerate),

@@ -72,6 +72,9 @@ double miss_texels(const plane& p, screen_point at, texel_point t) {
   return f.w > 0 ? std::max(off(f.u, t.u), off(f.v, t.v)) : 1e9;
 }
 
+// Of a triangle, doubled.
+double area_of(int64_t px, int64_t py, int64_t qx, int64_t qy, int64_t rx, int64_t ry) { return std::abs(double((qx - px) * (ry - py) - (qy - py) * (rx - px))); }
+
 SPANTEX_CASE(quads_hit_their_corners_exactly_by_the_map_s_rectangle) {
   random_source random(1);
   int made = 0;
@@ -105,8 +108,10 @@ SPANTEX_CASE(quads_between_any_convex_corners_hit_them) {
     // Slivers, whose smallest triangle is less than a thousandth of the largest, magnify what rounding of depths leaves.
     double least = 1e30, most = 0;
     for (int k = 0; k < 4; ++k) {
-      const double a = double(magnitude(spantex::detail::doubled_area(map[(k + 1) % 4], map[(k + 2) % 4], map[(k + 3) % 4])));
-      const double b = double(magnitude(spantex::detail::doubled_area(c[(k + 1) % 4], c[(k + 2) % 4], c[(k + 3) % 4])));
+      const auto shown = [&](int at) { return map[at % 4]; };
+      const auto seen = [&](int at) { return c[at % 4]; };
+      const double a = area_of(shown(k + 1).u, shown(k + 1).v, shown(k + 2).u, shown(k + 2).v, shown(k + 3).u, shown(k + 3).v);
+      const double b = area_of(seen(k + 1).x, seen(k + 1).y, seen(k + 2).x, seen(k + 2).y, seen(k + 3).x, seen(k + 3).y);
       least = std::min(least, b / a);
       most = std::max(most, b / a);
     }
@@ -132,6 +137,33 @@ SPANTEX_CASE(an_upright_quad_copies_its_map) {
         assert_int_equal(frame[y * width + x], in ? small_texels[(y - 7) * 37 + (mirrored ? 41 - x : x - 5)] : 0);
       }
   }
+}
+
+// Set up if and only if their box, as it is found for the largest screen, meets the clip rectangle.
+SPANTEX_CASE(pictures_at_the_edges_of_the_screen_are_left_out_when_they_do_not_meet_it) {
+  random_source random(9);
+  constexpr rectangle clip{100, 100, 148, 136};
+  int met = 0, beside = 0;
+  for (int n = 0; n < 20000; ++n) {
+    const int32_t x = between(random, px(80), px(160)), y = between(random, px(80), px(150)), side = between(random, 16, px(24));
+    const screen_point c[] = {{x, y}, {x + side, y + between(random, -64, 64)}, {x + side, y + side}, {x, y + side}};
+    const map_corners map = corners_of_map(16, 16);
+    const screen_vertex v[] = {{c[0], map.at[0], 1}, {c[1], map.at[1], 2}, {c[2], map.at[2], 3}};
+    const sprite turned{{x, y}, {8 * one, 8 * one}, side * 16, side * 16, between(random, 0, 3599)};
+    const auto made = [&](int what, rectangle within, polygon& out) {
+      return what == 0 ? make_quad({c[0], c[1], c[2], c[3]}, {map.at[0], map.at[1], map.at[2], map.at[3]}, within, out)
+             : what == 1 ? make_triangle({v[0], v[1], v[2]}, within, out) : make_sprite(turned, 16, 16, within, out);
+    };
+    for (int what = 0; what < 3; ++what) {
+      if (made(what, {0, 0, 4096, 4096}, shape) != status::ok) continue;
+      const rectangle box = intersection(shape.box, clip);
+      const status s = made(what, clip, shape);
+      assert_int_equal(int(s), int(box.empty() ? status::degenerate : status::ok));
+      ++(box.empty() ? beside : met);
+      if (s == status::ok) assert_true(shape.box == box);
+    }
+  }
+  assert_true(met > 5000 && beside > 5000);
 }
 
 SPANTEX_CASE(quads_that_are_none_are_refused) {
@@ -431,6 +463,7 @@ int main() {
       cmocka_unit_test(quads_hit_their_corners_exactly_by_the_map_s_rectangle),
       cmocka_unit_test(quads_between_any_convex_corners_hit_them),
       cmocka_unit_test(an_upright_quad_copies_its_map),
+      cmocka_unit_test(pictures_at_the_edges_of_the_screen_are_left_out_when_they_do_not_meet_it),
       cmocka_unit_test(quads_that_are_none_are_refused),
       cmocka_unit_test(triangles_on_the_screen_are_those_of_camera_space),
       cmocka_unit_test(triangle_lists_cover_a_square_once_cull_and_refuse),

@@ -63,17 +63,16 @@ constexpr int32_t every_second_bit(uint32_t x) {
 // Rectangles: the same columns in every row.
 struct rectangle_cover {
   static constexpr bool whole_rows = true;
-  constexpr bool prepare(int32_t, int32_t, int) { return true; }
-  constexpr uint32_t row(int) const { return 0xFFFFFFFFu; }
+  constexpr bool prepare(uint32_t*, int32_t, int32_t, int) const { return true; }
+  constexpr uint32_t row(const uint32_t*, int) const { return 0xFFFFFFFFu; }
 };
 
 // Polygons: the masks of the spans that a block consists of, or lies in.
 struct polygon_cover {
   static constexpr bool whole_rows = false;
   const edge_set* edges;
-  uint32_t* rows;  // [largest_side]
 
-  constexpr bool prepare(int32_t x0, int32_t y0, int k) {
+  constexpr bool prepare(uint32_t* rows, int32_t x0, int32_t y0, int k) const {  // rows: [largest_side]
     const int side = 1 << k, spans = k <= 3 ? 1 : side / span_side;
     uint32_t any = 0;
     for (int j = 0; j < side; ++j) rows[j] = 0;
@@ -89,7 +88,7 @@ struct polygon_cover {
       }
     return any != 0;
   }
-  constexpr uint32_t row(int j) const { return rows[j]; }
+  constexpr uint32_t row(const uint32_t* rows, int j) const { return rows[j]; }
 };
 
 }  // namespace detail
@@ -102,13 +101,16 @@ class painter {
  public:
   // What the target takes of `wanted`.
   painter(const plane& p, const texture_view& t, const Target& target, const rectangle& wanted, const Cover& cover, state& memory)
-      : plane_(p), map_(t), target_(target), memory_(memory), area_(intersection(wanted, area_of(target))), cover_(cover) {}
+      : plane_(p), map_(t), target_(target), memory_(memory), cover_(cover) {
+    memory.area = intersection(wanted, area_of(target));
+  }
 
-  void draw() {
-    if (area_.empty()) return;
+  [[gnu::always_inline]] void draw() {
+    const rectangle& area = memory_.area;
+    if (area.empty()) return;
     constexpr int side = detail::largest_side;
-    for (int32_t y = area_.y0 & -side; y < area_.y1; y += side)
-      for (int32_t x = area_.x0 & -side; x < area_.x1; x += side) draw_square(x, y);
+    for (int32_t y = area.y0 & -side; y < area.y1; y += side)
+      for (int32_t x = area.x0 & -side; x < area.x1; x += side) draw_square(x, y);
   }
 
  private:
@@ -124,24 +126,23 @@ class painter {
     }
   }
 
+  struct block_part { int32_t x0, y0; int8_t left, right, top, bottom; };  // within 32 pixels of x0, y0
+
   // False if it must be cut.
-  bool draw_block(int32_t x0, int32_t y0, int k) {
+  [[gnu::always_inline]] bool draw_block(int32_t x0, int32_t y0, int k) {
     const int32_t side = 1 << k;
-    const int32_t left = max_of(area_.x0 - x0, 0), right = min_of(area_.x1 - x0, side);
-    const int32_t top = max_of(area_.y0 - y0, 0), bottom = min_of(area_.y1 - y0, side);
-    if (left >= right || top >= bottom || !cover_.prepare(x0, y0, k)) return true;
+    const rectangle& area = memory_.area;
+    const block_part part{x0, y0, int8_t(max_of(area.x0 - x0, 0)), int8_t(min_of(area.x1 - x0, side)), int8_t(max_of(area.y0 - y0, 0)), int8_t(min_of(area.y1 - y0, side))};
+    if (part.left >= part.right || part.top >= part.bottom || !cover_.prepare(memory_.masks, x0, y0, k)) return true;
     block& b = memory_.coordinates;
     // Inlined where code is to be least; else its frame is not to lie under the kernels'.
     constexpr auto at = Map == map_kind::repeats_in_powers_of_two ? block_at<false> : block_at_apart<uses_levels(Kind)>;
     if (!at(plane_, x0 >> k, y0 >> k, k, {map_.last_level(), 0}, memory_.about, b)) return is_behind(plane_, x0 >> k, y0 >> k, k);
-    const block_part part{x0, y0, int8_t(left), int8_t(right), int8_t(top), int8_t(bottom)};
     if constexpr (Map == map_kind::repeats_in_powers_of_two) draw_masked(b, part);
     else if constexpr (uses_levels(Kind)) draw_with_levels(b, part);
     else on_one_level(b, part, 0, find_source(b, 0, Kind == filter::nearest ? 0 : snap));
     return true;
   }
-
-  struct block_part { int32_t x0, y0; int8_t left, right, top, bottom; };
 
   // A copy is not read again row by row, but costs stack.
 #ifdef __OPTIMIZE_SIZE__
@@ -155,7 +156,7 @@ class painter {
     for (int32_t j = part.top; j < part.bottom; ++j) {
       int first = part.left, count = part.right - part.left;
       if constexpr (!Cover::whole_rows) {
-        const uint32_t mask = cover_.row(j) & wanted;
+        const uint32_t mask = cover_.row(memory_.masks, j) & wanted;
         if (mask == 0) continue;
         first = __builtin_ctz(mask);
         count = 32 - __builtin_clz(mask) - first;
@@ -226,7 +227,7 @@ class painter {
   }
 
   // Texels of level 0 of a map that repeats in powers of two: masks wrap, no run is cut.
-  SPANTEX_WRAPS void draw_masked(block& b, const block_part& part) {
+  [[gnu::always_inline]] SPANTEX_WRAPS void draw_masked(block& b, const block_part& part) {
     b.u.offset = (b.u.base & (map_.width() - 1)) << 16;
     b.v.offset = (b.v.base & (map_.height() - 1)) << 16;
     const uint32_t masks = uint32_t(map_.height() - 1) << 16 | uint32_t(map_.width() - 1);
@@ -300,7 +301,6 @@ class painter {
   const texture_view& map_;
   const Target& target_;
   state& memory_;
-  rectangle area_;
   Cover cover_;
 };
 
@@ -328,7 +328,7 @@ status draw(state& memory, const Target& target, const plane& p, const texture_v
 template <filter Kind, class Target>
 SPANTEX_FRAME_APART status draw(state& memory, const Target& target, const polygon& p, const texture_view& t) {
   SPANTEX_TRY(check(t, Kind));
-  painter<Kind, Target, detail::polygon_cover>(p.map, t, target, p.box, {&p.edges, memory.masks}, memory).draw();
+  painter<Kind, Target, detail::polygon_cover>(p.map, t, target, p.box, {&p.edges}, memory).draw();
   return status::ok;
 }
 

@@ -27,22 +27,41 @@ struct quad {
   const texel_point* map = nullptr;  // four; none: the map's rectangle
 };
 
-// Errors: those of check() and make_quad.
-template <filter Kind, class Target>
-status draw(picture_state& memory, const Target& target, const quad& q, const texture_view& t) {
+namespace detail {
+
+// Set-up is apart: its frames are gone when the picture is drawn.
+template <class Target>
+SPANTEX_FRAME_APART status set_up(picture_state& memory, const Target& target, const quad& q, const texture_view& t) {
+  polygon& p = memory.shape;
+  p.box = screen_of(target);
+  SPANTEX_TRY(spantex::detail::begin_picture(p));
+  for (int k = 0; k < 4; ++k)
+    SPANTEX_TRY(spantex::detail::hold_corner(q.corners[k], q.map != nullptr ? q.map[k] : corner_of_map(k, t.width(), t.height()), 1, p.edges));
+  return spantex::detail::finish_picture(p);
+}
+template <class Target>
+SPANTEX_FRAME_APART status set_up(picture_state& memory, const Target& target, const sprite& s, const texture_view& t) {
+  memory.shape.box = screen_of(target);
+  return spantex::detail::make_sprite(s, t.width(), t.height(), memory.shape);
+}
+
+template <filter Kind, class Target, class What>
+status draw_set_up(picture_state& memory, const Target& target, const What& what, const texture_view& t) {
   SPANTEX_TRY(check(t, Kind));
-  const map_corners whole = corners_of_map(t.width(), t.height());
-  const texel_point* const at = q.map != nullptr ? q.map : whole.at;
-  SPANTEX_TRY(make_quad(q.corners, {at[0], at[1], at[2], at[3]}, screen_of(target), memory.shape));
+  SPANTEX_TRY(set_up(memory, target, what, t));
   return draw<Kind>(memory, target, memory.shape, t);
 }
 
-// Errors: those of check() and make_sprite.
+}  // namespace detail
+
+// Errors: those of check() and make_quad, make_sprite.
+template <filter Kind, class Target>
+status draw(picture_state& memory, const Target& target, const quad& q, const texture_view& t) {
+  return detail::draw_set_up<Kind>(memory, target, q, t);
+}
 template <filter Kind, class Target>
 status draw(picture_state& memory, const Target& target, const sprite& s, const texture_view& t) {
-  SPANTEX_TRY(check(t, Kind));
-  SPANTEX_TRY(make_sprite(s, t.width(), t.height(), screen_of(target), memory.shape));
-  return draw<Kind>(memory, target, memory.shape, t);
+  return detail::draw_set_up<Kind>(memory, target, s, t);
 }
 
 // Triangles in the order of their indices; without indices vertices are taken by threes. Front: clockwise on the screen.
@@ -67,24 +86,48 @@ struct mesh {
 
 namespace detail {
 
-template <class List>
-constexpr status check_list(const List& list) {
-  if (list.triangle_count < 0 || list.vertex_count < 0) return status::bad_size;
-  if (list.triangle_count == 0) return status::ok;
-  if (list.vertices == nullptr) return status::bad_pointer;
-  if (list.indices == nullptr) return list.triangle_count > list.vertex_count / 3 ? status::out_of_range : status::ok;
-  for (int32_t k = 0; k < 3 * list.triangle_count; ++k)
-    if (list.indices[k] >= list.vertex_count) return status::out_of_range;
+SPANTEX_FRAME_APART constexpr status check_list(const void* vertices, int32_t vertex_count, const uint16_t* indices, int32_t triangle_count) {
+  if (triangle_count < 0 || vertex_count < 0) return status::bad_size;
+  if (triangle_count == 0) return status::ok;
+  if (vertices == nullptr) return status::bad_pointer;
+  if (indices == nullptr) return triangle_count > vertex_count / 3 ? status::out_of_range : status::ok;
+  for (int32_t k = 0; k < triangle_count; ++k)
+    for (int n = 0; n < 3; ++n)
+      if (*indices++ >= vertex_count) return status::out_of_range;
   return status::ok;
 }
 
-template <filter Kind, class Target, class List, class SetUp>
-status draw_list(picture_state& memory, const Target& target, const List& list, const texture_view& t, const SetUp& set_up) {
+// Corner n of triangle k.
+template <class List>
+constexpr const auto& corner_of(const List& list, int32_t k, int32_t n) {
+  return list.vertices[list.indices != nullptr ? int32_t(list.indices[3 * k + n]) : 3 * k + n];
+}
+
+template <class Target>
+SPANTEX_FRAME_APART status set_up_triangle(picture_state& memory, const Target& target, const triangle_list& list, int32_t k) {
+  polygon& p = memory.shape;
+  p.box = screen_of(target);
+  SPANTEX_TRY(spantex::detail::begin_picture(p));
+  for (int n = 0; n < 3; ++n) {
+    const screen_vertex& v = corner_of(list, k, n);
+    SPANTEX_TRY(spantex::detail::hold_corner(v.at, v.map, v.w, p.edges));
+  }
+  return spantex::detail::finish_picture(p);
+}
+template <class Target>
+SPANTEX_FRAME_APART status set_up_triangle(picture_state& memory, const Target& target, const mesh& list, int32_t k) {
+  const vertex* const corners[] = {&corner_of(list, k, 0), &corner_of(list, k, 1), &corner_of(list, k, 2)};
+  spantex::detail::polygon_basis basis{};
+  memory.shape.box = screen_of(target);
+  return spantex::detail::make_polygon(corners, 3, list.camera, memory.shape, basis);
+}
+
+// Of a list that was checked.
+template <filter Kind, class Target, class List>
+status draw_list(picture_state& memory, const Target& target, const List& list, const texture_view& t) {
   SPANTEX_TRY(check(t, Kind));
-  SPANTEX_TRY(check_list(list));
   for (int32_t k = 0; k < list.triangle_count; ++k) {
-    const auto corner = [&](int32_t n) -> const auto& { return list.vertices[list.indices != nullptr ? int32_t(list.indices[3 * k + n]) : 3 * k + n]; };
-    const status made = set_up(corner(0), corner(1), corner(2));
+    const status made = set_up_triangle(memory, target, list, k);
     if (made == status::degenerate || (made == status::ok && list.cull == culling::back && !memory.shape.front_facing)) continue;
     SPANTEX_TRY(made);
     SPANTEX_TRY(draw<Kind>(memory, target, memory.shape, t));
@@ -98,16 +141,13 @@ status draw_list(picture_state& memory, const Target& target, const List& list, 
 // out_of_range (an index beyond the vertices: nothing is drawn).
 template <filter Kind, class Target>
 status draw(picture_state& memory, const Target& target, const triangle_list& list, const texture_view& t) {
-  return detail::draw_list<Kind>(memory, target, list, t, [&](const screen_vertex& a, const screen_vertex& b, const screen_vertex& c) {
-    return make_triangle({a, b, c}, screen_of(target), memory.shape);
-  });
+  SPANTEX_TRY(detail::check_list(list.vertices, list.vertex_count, list.indices, list.triangle_count));
+  return detail::draw_list<Kind>(memory, target, list, t);
 }
 template <filter Kind, class Target>
 status draw(picture_state& memory, const Target& target, const mesh& list, const texture_view& t) {
-  return detail::draw_list<Kind>(memory, target, list, t, [&](const vertex& a, const vertex& b, const vertex& c) {
-    const vertex corners[] = {a, b, c};
-    return make_polygon(corners, 3, list.camera, screen_of(target), memory.shape);
-  });
+  SPANTEX_TRY(detail::check_list(list.vertices, list.vertex_count, list.indices, list.triangle_count));
+  return detail::draw_list<Kind>(memory, target, list, t);
 }
 
 struct floor_view {
@@ -115,34 +155,62 @@ struct floor_view {
   floor_map map;
 };
 
-// Errors: those of check() and make_floor.
-template <filter Kind, class Target>
-status draw(picture_state& memory, const Target& target, const floor_view& f, const texture_view& t) {
-  SPANTEX_TRY(check(t, Kind));
-  SPANTEX_TRY(make_floor(f.camera, f.map, screen_of(target), memory.shape.map));
-  return draw<Kind>(memory, target, memory.shape.map, t, screen_of(target));
-}
-
 // faces[int(cube_face)]: those without a map (nullptr) are left out.
 struct cube_view {
   looking_camera camera;
   const texture_view* faces[cube_face_count];
 };
 
+namespace detail {
+
+template <class Target>
+SPANTEX_FRAME_APART status set_up_plane(picture_state& memory, const Target& target, const floor_view& f) {
+  memory.shape.box = screen_of(target);
+  return make_floor(f.camera, f.map, memory.shape.box, memory.shape.map);
+}
+
+template <filter Kind, class Target, class Floor>
+status draw_floor(picture_state& memory, const Target& target, const Floor& f, const texture_view& t) {
+  SPANTEX_TRY(check(t, Kind));
+  SPANTEX_TRY(set_up_plane(memory, target, f));
+  return draw<Kind>(memory, target, memory.shape.map, t, memory.shape.box);
+}
+
+constexpr const texture_view* face_of(const cube_view& cube, int face) { return cube.faces[face]; }
+
+template <class Target>
+SPANTEX_FRAME_APART status set_up_face(picture_state& memory, const Target& target, const cube_view& cube, int face) {
+  const texture_view& t = *cube.faces[face];
+  memory.shape.box = screen_of(target);
+  return spantex::detail::make_cube_face(cube.camera, cube_face(face), t.width(), t.height(), memory.shape);
+}
+
+template <filter Kind, class Target, class Cube>
+status draw_cube(picture_state& memory, const Target& target, const Cube& cube) {
+  for (int face = 0; face < cube_face_count; ++face)
+    if (const texture_view* const t = face_of(cube, face); t != nullptr) SPANTEX_TRY(check(*t, Kind));
+  for (int face = 0; face < cube_face_count; ++face) {
+    if (face_of(cube, face) == nullptr) continue;
+    const status made = set_up_face(memory, target, cube, face);
+    if (made == status::degenerate) continue;
+    SPANTEX_TRY(made);
+    SPANTEX_TRY(draw<Kind>(memory, target, memory.shape, *face_of(cube, face)));
+  }
+  return status::ok;
+}
+
+}  // namespace detail
+
+// Errors: those of check() and make_floor.
+template <filter Kind, class Target>
+status draw(picture_state& memory, const Target& target, const floor_view& f, const texture_view& t) {
+  return detail::draw_floor<Kind>(memory, target, f, t);
+}
+
 // Errors: those of check() and make_cube_face but degenerate.
 template <filter Kind, class Target>
 status draw(picture_state& memory, const Target& target, const cube_view& cube) {
-  for (const texture_view* t : cube.faces)
-    if (t != nullptr) SPANTEX_TRY(check(*t, Kind));
-  for (int face = 0; face < cube_face_count; ++face) {
-    const texture_view* const t = cube.faces[face];
-    if (t == nullptr) continue;
-    const status made = make_cube_face(cube.camera, cube_face(face), t->width(), t->height(), screen_of(target), memory.shape);
-    if (made == status::degenerate) continue;
-    SPANTEX_TRY(made);
-    SPANTEX_TRY(draw<Kind>(memory, target, memory.shape, *t));
-  }
-  return status::ok;
+  return detail::draw_cube<Kind>(memory, target, cube);
 }
 
 }  // namespace spantex::rows

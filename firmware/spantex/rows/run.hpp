@@ -280,6 +280,7 @@ struct state {
   reference about;                // of the block
   detail::box reach;              // of its positions
   uint32_t masks[1 << largest_block_log2];  // of the block's rows; polygons
+  rectangle area;                 // to be drawn
   scratch between;
 };
 

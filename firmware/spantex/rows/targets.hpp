@@ -67,9 +67,10 @@ class memory_target {
   }
   memory_target of(rectangle screen) const {
     memory_target t = *this;
-    t.screen_ = screen;
+    t.set_screen(screen);
     return t;
   }
+  void set_screen(const rectangle& screen) { screen_ = screen; }
 
   // One colour everywhere, blended as set.
   void fill(uint16_t rgb565) const {
@@ -106,12 +107,12 @@ struct tile_buffers {
   uint32_t bytes;
 };
 
-// Draws a screen that is nowhere held, tile by tile: `draw(target)` is called once a tile and draws everything into that memory_target, whose area is the
-// tile; then the tile is sent. The same pixels as drawing the whole frame. Tiles that begin at multiples of 32 pixels cut no block: they cost no more
-// instructions than the frame. Errors: bad_size (screen, or a tile larger than a buffer), bad_alignment, bad_pointer, out_of_range, those of `draw`; at
-// any end both buffers have been waited for.
+namespace detail {
+
+// `target` is the one tile after tile.
 template <class Format, class Display, class Draw>
-status draw_tiles(Display& display, rectangle screen, int32_t tile_width, int32_t tile_height, const tile_buffers& buffers, const Draw& draw, Format format = {}) {
+status draw_tiles(Display& display, const rectangle& screen, int32_t tile_width, int32_t tile_height, const tile_buffers& buffers, const Draw& draw, Format format,
+                  memory_target<Format>& target) {
   if (!on_screen(screen) || tile_width <= 0 || tile_height <= 0 || tile_width > max_screen_px || tile_height > max_screen_px) return status::bad_size;
   bool started[2] = {};
   int buffer = 0;
@@ -120,9 +121,9 @@ status draw_tiles(Display& display, rectangle screen, int32_t tile_width, int32_
     started[buffer] = false;
     const int32_t width = tile.x1 - tile.x0, bytes = pixel_bytes(format.value, width, tile.y1 - tile.y0);
     if (uint32_t(bytes) > buffers.bytes) return status::bad_size;
-    memory_target<Format> target;
     SPANTEX_TRY(memory_target<Format>::make({buffers.memory[buffer], pixel_row_bytes(format.value, width), tile}, target, format));
-    SPANTEX_TRY(draw(target.of(screen)));
+    target.set_screen(screen);
+    SPANTEX_TRY(draw(target));
     display.start(tile, buffers.memory[buffer], uint32_t(bytes), buffer);
     started[buffer] = true;
     buffer ^= 1;
@@ -135,6 +136,18 @@ status draw_tiles(Display& display, rectangle screen, int32_t tile_width, int32_
   for (int n = 0; n < 2; ++n, buffer ^= 1)
     if (started[buffer]) display.wait(buffer);
   return result;
+}
+
+}  // namespace detail
+
+// Draws a screen that is nowhere held, tile by tile: `draw(target)` is called once a tile and draws everything into that memory_target, whose area is the
+// tile; then the tile is sent. The same pixels as drawing the whole frame. Tiles that begin at multiples of 32 pixels cut no block: they cost no more
+// instructions than the frame. Errors: bad_size (screen, or a tile larger than a buffer), bad_alignment, bad_pointer, out_of_range, those of `draw`; at
+// any end both buffers have been waited for.
+template <class Format, class Display, class Draw>
+status draw_tiles(Display& display, rectangle screen, int32_t tile_width, int32_t tile_height, const tile_buffers& buffers, const Draw& draw, Format format = {}) {
+  memory_target<Format> target;
+  return detail::draw_tiles(display, screen, tile_width, tile_height, buffers, draw, format, target);
 }
 
 // Runs as they are drawn, one window each. Formats of whole bytes; nothing is blended, for nothing can be read back. Must outlive the last transfer:
