@@ -16,11 +16,19 @@
 // A function whose frame is not to lie under what its caller calls next, where code and stack are to be small.
 #ifdef __OPTIMIZE_SIZE__
 #define SPANTEX_FRAME_APART [[gnu::noinline]]
+#define SPANTEX_FRAME_MERGED [[gnu::always_inline]]  // and one that is to be part of its caller's
 #else
 #define SPANTEX_FRAME_APART
+#define SPANTEX_FRAME_MERGED
 #endif
 
 namespace spantex {
+
+#ifdef __OPTIMIZE_SIZE__
+inline constexpr bool optimised_for_size = true;
+#else
+inline constexpr bool optimised_for_size = false;
+#endif
 
 // How a stage drops bits. `floor` is towards minus infinity, `nearest` rounds halves up (towards plus
 // infinity), `even` rounds halves to the even neighbour.

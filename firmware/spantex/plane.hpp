@@ -95,7 +95,7 @@ SPANTEX_FRAME_APART constexpr int64_t narrowed(const wide& a, int drop) { return
 constexpr linear_form narrowed(const wide_form& f, int drop) { return {narrowed(f.x, drop), narrowed(f.y, drop), narrowed(f.c, drop)}; }
 
 // a b - c d
-[[gnu::always_inline]] constexpr void set_difference(wide& out, int64_t a, int64_t b, int64_t c, int64_t d) {
+SPANTEX_FRAME_MERGED constexpr void set_difference(wide& out, int64_t a, int64_t b, int64_t c, int64_t d) {
   out = {};
   add_product(out, a, b);
   add_product(out, -c, d);
@@ -228,14 +228,14 @@ SPANTEX_FRAME_APART constexpr status set_major_log2(const rectangle& region, pla
 }
 
 // The plane of the homography whose rows are its exact forms, in the plane itself: set-up takes no other memory to speak of.
-[[gnu::always_inline]] constexpr status normalise(const rectangle& region, plane& p, int& drop) {
+SPANTEX_FRAME_MERGED constexpr status normalise(const rectangle& region, plane& p, int& drop) {
   if (!on_screen(region)) return status::bad_size;
   SPANTEX_TRY(narrow_forms(region, p, drop));
   SPANTEX_TRY(set_major_log2(region, p));
   p.minor_log2 = minor_log2_of(p);
   return status::ok;
 }
-[[gnu::always_inline]] constexpr status normalise(const rectangle& region, plane& p) {
+SPANTEX_FRAME_MERGED constexpr status normalise(const rectangle& region, plane& p) {
   int drop = 0;
   return normalise(region, p, drop);
 }

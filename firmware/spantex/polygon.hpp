@@ -250,7 +250,7 @@ SPANTEX_FRAME_APART constexpr void make_forms(const three_texels& map, int secon
 }
 
 // The rest of set-up, from held corners and forms. Errors: degenerate.
-[[gnu::always_inline]] constexpr status finish_polygon(int32_t near_z, const wide& determinant, int& drop, polygon& out) {
+SPANTEX_FRAME_MERGED constexpr status finish_polygon(int32_t near_z, const wide& determinant, int& drop, polygon& out) {
   if (determinant.zero()) return status::degenerate;
   clip_to_view(near_z, guard_band, out.edges);
   SPANTEX_TRY(make_edges(out));
@@ -259,7 +259,7 @@ SPANTEX_FRAME_APART constexpr void make_forms(const three_texels& map, int secon
   return status::ok;
 }
 
-[[gnu::always_inline]] constexpr status finish_triangle(int32_t near_z, const three_texels& map, polygon& out) {
+SPANTEX_FRAME_MERGED constexpr status finish_triangle(int32_t near_z, const three_texels& map, polygon& out) {
   wide determinant;
   make_forms(map, 1, out, determinant);
   int drop = 0;

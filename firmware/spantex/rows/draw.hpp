@@ -101,16 +101,13 @@ class painter {
  public:
   // What the target takes of `wanted`.
   painter(const plane& p, const texture_view& t, const Target& target, const rectangle& wanted, const Cover& cover, state& memory)
-      : plane_(p), map_(t), target_(target), memory_(memory), cover_(cover) {
-    memory.area = intersection(wanted, area_of(target));
-  }
+      : plane_(p), map_(t), target_(target), memory_(memory), area_(memory.area = intersection(wanted, area_of(target))), cover_(cover) {}
 
-  [[gnu::always_inline]] void draw() {
-    const rectangle& area = memory_.area;
-    if (area.empty()) return;
+  SPANTEX_FRAME_MERGED void draw() {
+    if (area_.empty()) return;
     constexpr int side = detail::largest_side;
-    for (int32_t y = area.y0 & -side; y < area.y1; y += side)
-      for (int32_t x = area.x0 & -side; x < area.x1; x += side) draw_square(x, y);
+    for (int32_t y = area_.y0 & -side; y < area_.y1; y += side)
+      for (int32_t x = area_.x0 & -side; x < area_.x1; x += side) draw_square(x, y);
   }
 
  private:
@@ -126,29 +123,35 @@ class painter {
     }
   }
 
-  struct block_part { int32_t x0, y0; int8_t left, right, top, bottom; };  // within 32 pixels of x0, y0
+  struct block_part { int32_t x0, y0; int8_t left, right, top, bottom; };
 
   // False if it must be cut.
-  [[gnu::always_inline]] bool draw_block(int32_t x0, int32_t y0, int k) {
-    const int32_t side = 1 << k;
-    const rectangle& area = memory_.area;
-    const block_part part{x0, y0, int8_t(max_of(area.x0 - x0, 0)), int8_t(min_of(area.x1 - x0, side)), int8_t(max_of(area.y0 - y0, 0)), int8_t(min_of(area.y1 - y0, side))};
-    if (part.left >= part.right || part.top >= part.bottom || !cover_.prepare(memory_.masks, x0, y0, k)) return true;
+  SPANTEX_FRAME_MERGED bool draw_block(int32_t x0, int32_t y0, int k) {
+    const int32_t side = 1 << k, left = max_of(area_.x0 - x0, 0), right = min_of(area_.x1 - x0, side);
+    const int32_t top = max_of(area_.y0 - y0, 0), bottom = min_of(area_.y1 - y0, side);
+    // Made at once it takes less stack, made when it is needed fewer instructions.
+    const auto make_part = [&] { return block_part{x0, y0, int8_t(left), int8_t(right), int8_t(top), int8_t(bottom)}; };
+    block_part part{};
+    if constexpr (optimised_for_size) part = make_part();
+    if (left >= right || top >= bottom || !cover_.prepare(memory_.masks, x0, y0, k)) return true;
     block& b = memory_.coordinates;
     // Inlined where code is to be least; else its frame is not to lie under the kernels'.
     constexpr auto at = Map == map_kind::repeats_in_powers_of_two ? block_at<false> : block_at_apart<uses_levels(Kind)>;
     if (!at(plane_, x0 >> k, y0 >> k, k, {map_.last_level(), 0}, memory_.about, b)) return is_behind(plane_, x0 >> k, y0 >> k, k);
+    if constexpr (!optimised_for_size) part = make_part();
     if constexpr (Map == map_kind::repeats_in_powers_of_two) draw_masked(b, part);
     else if constexpr (uses_levels(Kind)) draw_with_levels(b, part);
     else on_one_level(b, part, 0, find_source(b, 0, Kind == filter::nearest ? 0 : snap));
     return true;
   }
 
-  // A copy is not read again row by row, but costs stack.
+  // A copy is not read again row by row, or block by block, but costs stack.
 #ifdef __OPTIMIZE_SIZE__
   using part_of_rows = const block_part&;
+  using area_of_blocks = const rectangle&;
 #else
   using part_of_rows = const block_part;
+  using area_of_blocks = const rectangle;
 #endif
   template <class Row>
   [[gnu::always_inline]] void each_row(part_of_rows part, const Row& draw_row) {
@@ -227,7 +230,7 @@ class painter {
   }
 
   // Texels of level 0 of a map that repeats in powers of two: masks wrap, no run is cut.
-  [[gnu::always_inline]] SPANTEX_WRAPS void draw_masked(block& b, const block_part& part) {
+  SPANTEX_FRAME_MERGED SPANTEX_WRAPS void draw_masked(block& b, const block_part& part) {
     b.u.offset = (b.u.base & (map_.width() - 1)) << 16;
     b.v.offset = (b.v.base & (map_.height() - 1)) << 16;
     const uint32_t masks = uint32_t(map_.height() - 1) << 16 | uint32_t(map_.width() - 1);
@@ -301,6 +304,7 @@ class painter {
   const texture_view& map_;
   const Target& target_;
   state& memory_;
+  area_of_blocks area_;
   Cover cover_;
 };
 
