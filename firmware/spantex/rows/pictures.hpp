@@ -18,7 +18,7 @@
 
 namespace spantex::rows {
 
-// The caller's memory: below 1.5 KiB.
+// The caller's memory, in which set-up works too: below 1.7 KiB.
 struct picture_state : state { polygon shape; };
 
 // Corners clockwise from that of the map's texel (0, 0), or with map positions of their own.
