@@ -52,7 +52,6 @@ constexpr spantex_status outside(status s) { return spantex_status(s); }
 constexpr rectangle inside(spantex_rectangle r) { return {r.x0, r.y0, r.x1, r.y1}; }
 constexpr screen_point inside(spantex_point p) { return {p.x, p.y}; }
 constexpr texel_point inside(spantex_texel_point p) { return {p.u, p.v}; }
-constexpr screen_vertex inside(const spantex_screen_vertex& v) { return {inside(v.at), inside(v.map), v.w}; }
 constexpr vertex inside(const spantex_vertex& v) { return {v.x, v.y, v.z, v.u, v.v}; }
 constexpr looking_camera inside(const spantex_camera& c) { return {c.heading, c.pitch, c.roll, c.focal, c.centre_x, c.centre_y}; }
 

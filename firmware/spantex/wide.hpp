@@ -30,7 +30,7 @@ SPANTEX_WRAPS constexpr wide operator-(const wide& a) {
   return {int64_t(~uint64_t(a.high) + (a.low == 0 ? 1u : 0u)), 0 - a.low};
 }
 
-SPANTEX_WRAPS SPANTEX_FRAME_APART constexpr void negate(wide& a) {
+SPANTEX_FRAME_APART SPANTEX_WRAPS constexpr void negate(wide& a) {
   a.low = 0 - a.low;
   a.high = int64_t(~uint64_t(a.high) + (a.low == 0 ? 1u : 0u));
 }
@@ -43,18 +43,19 @@ SPANTEX_WRAPS constexpr wide magnitude(const wide& a) {
   return {int64_t((uint64_t(a.high) ^ sign) - carry), low};
 }
 
+SPANTEX_WRAPS constexpr void add_words(wide& sum, uint64_t low, uint64_t high) {
+  sum.low += low;
+  sum.high = int64_t(uint64_t(sum.high) + high + (sum.low < low ? 1u : 0u));
+}
+
 // sum += a b, unsigned: four products of 32 bits, each added where it belongs.
-SPANTEX_WRAPS SPANTEX_FRAME_APART constexpr void accumulate(wide& sum, uint64_t a, uint64_t b) {
-  const auto add = [&sum](uint64_t low, uint64_t high) {
-    sum.low += low;
-    sum.high = int64_t(uint64_t(sum.high) + high + (sum.low < low ? 1u : 0u));
-  };
+SPANTEX_FRAME_APART constexpr void accumulate(wide& sum, uint64_t a, uint64_t b) {
   const uint32_t a0 = uint32_t(a), a1 = uint32_t(a >> 32), b0 = uint32_t(b), b1 = uint32_t(b >> 32);
-  add(multiply_32(a0, b0), multiply_32(a1, b1));
+  add_words(sum, multiply_32(a0, b0), multiply_32(a1, b1));
   const uint64_t first = multiply_32(a0, b1);
-  add(first << 32, first >> 32);
+  add_words(sum, first << 32, first >> 32);
   const uint64_t second = multiply_32(a1, b0);
-  add(second << 32, second >> 32);
+  add_words(sum, second << 32, second >> 32);
 }
 
 // 64 x 64 -> 128, unsigned.
@@ -65,13 +66,13 @@ constexpr wide multiply_unsigned(uint64_t a, uint64_t b) {
 }
 
 // sum += a b: exact, as the product. In two's complement: a negative factor is 2^64 too large as an unsigned one.
-SPANTEX_WRAPS SPANTEX_FRAME_APART constexpr void add_product(wide& sum, int64_t a, int64_t b) {
+SPANTEX_FRAME_APART SPANTEX_WRAPS constexpr void add_product(wide& sum, int64_t a, int64_t b) {
   sum.high = int64_t(uint64_t(sum.high) - (a < 0 ? uint64_t(b) : 0) - (b < 0 ? uint64_t(a) : 0));
   accumulate(sum, uint64_t(a), uint64_t(b));
 }
 
 // The same of 128 x 64 bits. The caller guarantees that the product fits.
-SPANTEX_WRAPS SPANTEX_FRAME_APART constexpr void add_product(wide& sum, const wide& a, int64_t b) {
+SPANTEX_FRAME_APART SPANTEX_WRAPS constexpr void add_product(wide& sum, const wide& a, int64_t b) {
   sum.high = int64_t(uint64_t(sum.high) + uint64_t(a.high) * uint64_t(b) - (b < 0 ? a.low : 0));
   accumulate(sum, a.low, uint64_t(b));
 }
@@ -115,7 +116,7 @@ constexpr wide shift_right_floor(const wide& a, int n) {
 constexpr uint64_t low_after(const wide& a, int n) { return n >= 64 ? uint64_t(a.high >> (n - 64)) : n == 0 ? a.low : (uint64_t(a.high) << (64 - n)) | (a.low >> n); }
 
 // a / 2^n to nearest, halves away from zero; in place.
-SPANTEX_FRAME_APART constexpr void round_off(wide& a, int n) {
+SPANTEX_FRAME_APART SPANTEX_WRAPS constexpr void round_off(wide& a, int n) {
   if (n == 0) return;
   const bool negative = a.negative();
   if (negative) negate(a);
@@ -139,7 +140,7 @@ constexpr bool operator<(const wide& a, const wide& b) { return (a - b).negative
 constexpr int64_t to_int64(const wide& a) { return int64_t(a.low); }
 
 // Quotient a / b to nearest (halves away from zero), b > 0, |quotient| < 2^63. One bit a step: set-up only.
-SPANTEX_WRAPS SPANTEX_FRAME_APART constexpr int64_t divide_nearest(const wide& a, int64_t b) {
+SPANTEX_FRAME_APART SPANTEX_WRAPS constexpr int64_t divide_nearest(const wide& a, int64_t b) {
   const wide m = magnitude(a);
   uint64_t remainder = 0, quotient = 0;
   for (int i = bit_length(m) - 1; i >= 0; --i) {
