@@ -7,7 +7,7 @@
 //   angles             0.1 degree, any int32_t; clockwise as seen on the screen
 //   depth              none: these polygons are the farthest in a depth buffer (triangles of a scene with one: polygon.hpp)
 //
-// Set-up is not inlined: its frame is not to lie under those of drawing.
+// Set-up works in what it makes (docs/DESIGN.md, "Set-up in place"); what it leaves there on an error is undefined.
 // Maps that are not to show their other side at the border of a picture are clamped (wrap::clamp).
 #pragma once
 #include <stdint.h>

@@ -260,7 +260,7 @@ constexpr status normalise(const homography& m, const rectangle& region, plane& 
 }  // namespace detail
 
 // Normalises a homography for use within `region` (pixels). Errors: degenerate if W is zero everywhere or not positive where it
-// is largest in the region; bad_size if the region is empty or leaves the screen limits.
+// is largest in the region; bad_size if the region is empty or leaves the screen limits; what is left in `out` then is undefined.
 // Rounding: every coefficient once, to nearest, at 2^-59 of the largest numerator or 2^-45 of the largest divisor; the exact ones are kept.
 constexpr status make_plane(const homography& m, rectangle region, plane& out) {
   int drop = 0;

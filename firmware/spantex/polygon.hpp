@@ -293,7 +293,7 @@ SPANTEX_FRAME_APART constexpr status make_polygon(const vertex* const* vertices,
 
 // Sets a convex planar polygon up: the plane through its first three vertices that span one, edges after clipping against the
 // near plane and the guard band. Errors: bad_size (3..8 vertices; clip rectangle), out_of_range (near_z <= 0; a vertex beyond
-// 2^28 pixels times depth), degenerate (zero area, edge-on, outside).
+// 2^28 pixels times depth), degenerate (zero area, edge-on, outside); what is left in `out` then is undefined.
 // No divisor W <= 0 survives: what lies nearer than near_z is cut off before projection.
 constexpr status make_polygon(const vertex* vertices, int count, const projection& camera, rectangle clip, polygon& out) {
   if (count < 3 || count > max_polygon_vertices) return status::bad_size;

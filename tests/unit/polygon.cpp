@@ -136,13 +136,13 @@ SPANTEX_CASE(outlines_of_most_corners_are_clipped_in_place) {
   random_source random(73);
   int most = 0, cut_by[spantex::detail::view_side_count] = {};
   for (int n = 0; n < 20000; ++n) {
-    const int32_t reach = int32_t(random.between(1, 200));
+    const int32_t steps = int32_t(random.between(1, 200));
     const auto some = [&](int32_t size) { return int32_t(random.between(-size, size)); };
     const int32_t at[3] = {some(8 * one), some(8 * one), some(8 * one)}, u[3] = {some(one), some(one), some(one)}, w[3] = {some(one), some(one), some(one)};
     edge_set held{};
     std::vector<edge> outline;
     for (const auto& corner : shape) {
-      const auto axis = [&](int i) { return at[i] + reach * (corner[0] * u[i] + corner[1] * w[i]); };
+      const auto axis = [&](int i) { return at[i] + steps * (corner[0] * u[i] + corner[1] * w[i]); };
       outline.push_back(spantex::detail::held(project({axis(0), axis(1), axis(2), 0, 0}, camera)));
       held.edges[held.count++] = outline.back();
     }
