@@ -70,7 +70,7 @@ GATES = [
     ("quads on the map by the screen alone", F + "pictures.hpp", "if (shape == quad_shape::any) multiply_by_areas(map, bits, w);", "", "rows_pictures", "quads_between*", []),
     ("depths of 20 bits", F + "pictures.hpp", "down = max_of(0, most - room);", "down = max_of(0, most - min_of(room, 20));", "rows_pictures", "quads_between*", []),
     ("pictures at the right border left out", F + "pictures.hpp", "right = right && x >= p.box.x1;", "right = right && x >= p.box.x1 - 20;", "rows_pictures", "pictures_at*", []),
-    ("corners of the map of one depth", F + "pictures.hpp", "= {map.u, map.v, depth};", "= {map.u, map.v, 1};", "rows_pictures", "triangles_on*", []),
+    ("corners of the map of one depth", F + "pictures.hpp", "= {v.map.u, v.map.v, v.w};", "= {v.map.u, v.map.v, 1};", "rows_pictures", "triangles_on*", []),
     ("what is clipped written over what is not", F + "polygon.hpp", "const int start = max_edges - 1 - o.count;", "const int start = min_of(2, max_edges - 1 - o.count);", "polygon", "outlines*", []),
     ("carries of products lost", F + "wide.hpp", "+ high + (sum.low < low ? 1u : 0u));", "+ high);", "wide", "products_of*", []),
     ("products of a negative factor", F + "wide.hpp", "- (a < 0 ? uint64_t(b) : 0) - (b < 0 ? uint64_t(a) : 0));", "- (a < 0 ? uint64_t(b) : 0));", "wide", "products_of*", []),

@@ -24,10 +24,11 @@
 
 namespace spantex {
 
+// Of this translation unit, so not the same in all of a program: what depends on it is to have another type.
 #ifdef __OPTIMIZE_SIZE__
-inline constexpr bool optimised_for_size = true;
+constexpr bool optimised_for_size = true;
 #else
-inline constexpr bool optimised_for_size = false;
+constexpr bool optimised_for_size = false;
 #endif
 
 // How a stage drops bits. `floor` is towards minus infinity, `nearest` rounds halves up (towards plus

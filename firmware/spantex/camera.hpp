@@ -97,13 +97,11 @@ SPANTEX_FRAME_APART constexpr int64_t attitude_entry(int32_t a, int32_t b, int32
   return to_int64(sum);
 }
 
-}  // namespace detail
-
 // World from camera: the world's axes along the camera's, x: U, y: V, c: W, camera_bits fraction bits.
 SPANTEX_FRAME_APART constexpr void set_attitude(binary_angle roll, binary_angle pitch, binary_angle yaw, linear_form& x, linear_form& y, linear_form& z) {
   const sine_cosine g = sine_cosine_of(roll), t = sine_cosine_of(pitch), h = sine_cosine_of(yaw);
-  const auto entry = detail::attitude_entry;
-  const auto one = [](int32_t a) { return int64_t(a) * (int64_t(1) << (detail::camera_bits - 30)); };
+  const auto entry = attitude_entry;
+  const auto one = [](int32_t a) { return int64_t(a) * (int64_t(1) << (camera_bits - 30)); };
   x.x = entry(t.cosine, h.cosine, 0, 0, 0);
   x.y = entry(g.sine, h.sine, -g.cosine, h.cosine, t.sine);
   x.c = entry(g.cosine, h.sine, g.sine, h.cosine, t.sine);
@@ -115,13 +113,15 @@ SPANTEX_FRAME_APART constexpr void set_attitude(binary_angle roll, binary_angle 
   z.c = entry(g.cosine, h.cosine, -g.sine, h.sine, t.sine);
 }
 
-// Columns are the camera's axes.
+}  // namespace detail
+
+// World from camera: columns are the camera's axes, camera_bits fraction bits.
 struct attitude {
   int64_t xu, xv, xw, yu, yv, yw, zu, zv, zw;
 };
 constexpr attitude attitude_of(binary_angle roll, binary_angle pitch, binary_angle yaw) {
   linear_form x{}, y{}, z{};
-  set_attitude(roll, pitch, yaw, x, y, z);
+  detail::set_attitude(roll, pitch, yaw, x, y, z);
   return {x.x, x.y, x.c, y.x, y.y, y.c, z.x, z.y, z.c};
 }
 
@@ -130,7 +130,8 @@ namespace detail {
 // T (h Ry - y_h R): numerator of a texture coordinate on the camera's axes, below 2^74; one rounding at 2^-camera_bits.
 struct ground { int32_t height, texels_per_unit; };
 SPANTEX_FRAME_APART constexpr void set_ground_numerator(wide& out, const ground& g, int32_t along, int64_t r, int64_t ry) {
-  const wide difference = difference_of_products(ry, along, r, g.height);
+  wide difference;
+  set_difference(difference, ry, along, r, g.height);
   out = {};
   add_product(out, difference, g.texels_per_unit);
   round_off(out, 32);

@@ -34,21 +34,28 @@ constexpr map_corners corners_of_map(int32_t width, int32_t height) {
   return out;
 }
 
+// A corner on the screen. w: its depth in any unit, from 1; all alike for an affine triangle.
+struct screen_vertex {
+  screen_point at;
+  texel_point map;
+  uint32_t w;
+};
+
 namespace detail {
 
 constexpr bool in_range(screen_point p) { return magnitude(p.x) < uint64_t(max_corner) && magnitude(p.y) < uint64_t(max_corner); }
 constexpr bool in_range(texel_point p) { return magnitude(p.u) <= uint64_t(max_texel) && magnitude(p.v) <= uint64_t(max_texel); }
 
-// Until edges are made of them a picture's corners lie where its edges will (polygon.hpp), with a depth of 1 (256, in 1/256 pixel), and, `map_slot` later, what
+// Until edges are made of them a picture's corners lie where its edges will (polygon.hpp), with a depth of 1 (256 as positions are in 1/256 pixel), and, `map_slot` later, what
 // they show: a = u, b = v, c = depth in any unit.
 inline constexpr int map_slot = max_edges / 2;
 SPANTEX_FRAME_APART constexpr void hold(const screen_point& p, edge_set& out) { out.edges[out.count++] = held({p.x, p.y, 1 << subpixel_bits}); }
 
 // Errors: out_of_range.
-SPANTEX_FRAME_APART constexpr status hold_corner(const screen_point& at, const texel_point& map, uint32_t depth, edge_set& out) {
-  if (!in_range(at) || !in_range(map) || depth == 0) return status::out_of_range;
-  out.edges[out.count + map_slot] = {map.u, map.v, depth};
-  hold(at, out);
+SPANTEX_FRAME_APART constexpr status hold_corner(const screen_vertex& v, edge_set& out) {
+  if (!in_range(v.at) || !in_range(v.map) || v.w == 0) return status::out_of_range;
+  out.edges[out.count + map_slot] = {v.map.u, v.map.v, v.w};
+  hold(v.at, out);
   return status::ok;
 }
 
@@ -230,6 +237,14 @@ SPANTEX_FRAME_APART constexpr status finish_picture(polygon& out) {
   return normalise(out.box, out.map);
 }
 
+// From `count` corners, each a screen_vertex that corner(k) says; the clip rectangle is out.box. Errors: bad_size, out_of_range, degenerate.
+template <class Corner>
+constexpr status make_picture(int count, const Corner& corner, polygon& out) {
+  SPANTEX_TRY(begin_picture(out));
+  for (int k = 0; k < count; ++k) SPANTEX_TRY(hold_corner(corner(k), out.edges));
+  return finish_picture(out);
+}
+
 // To nearest; 2^52 / 3600 in place of a division of 64 bits.
 constexpr binary_angle angle_of(int32_t tenths) {
   const int32_t within = (tenths % 3600 + 3600) % 3600;
@@ -242,24 +257,13 @@ constexpr binary_angle angle_of(int32_t tenths) {
 // out_of_range (a corner beyond 2^20 pixels, or 2^14 texels), degenerate (three corners in line, not convex, outside `clip`).
 constexpr status make_quad(const screen_point (&corners)[4], const texel_point (&map)[4], rectangle clip, polygon& out) {
   out.box = clip;
-  SPANTEX_TRY(detail::begin_picture(out));
-  for (int k = 0; k < 4; ++k) SPANTEX_TRY(detail::hold_corner(corners[k], map[k], 1, out.edges));
-  return detail::finish_picture(out);
+  return detail::make_picture(4, [&](int k) { return screen_vertex{corners[k], map[k], 1}; }, out);
 }
-
-// A corner of a triangle on the screen. w: its depth in any unit, from 1; all alike for an affine triangle.
-struct screen_vertex {
-  screen_point at;
-  texel_point map;
-  uint32_t w;
-};
 
 // Errors: bad_size (clip), out_of_range (as make_quad; w = 0), degenerate (no area, outside `clip`).
 constexpr status make_triangle(const screen_vertex (&corners)[3], rectangle clip, polygon& out) {
   out.box = clip;
-  SPANTEX_TRY(detail::begin_picture(out));
-  for (const screen_vertex& v : corners) SPANTEX_TRY(detail::hold_corner(v.at, v.map, v.w, out.edges));
-  return detail::finish_picture(out);
+  return detail::make_picture(3, [&](int k) -> const screen_vertex& { return corners[k]; }, out);
 }
 
 // A picture turned about a pivot and scaled. LVGL's `angle` is this one, its `scale` of 256 is 65536 here, its pivot and position are shifted by 16 and 8 bits.

@@ -100,11 +100,6 @@ SPANTEX_FRAME_MERGED constexpr void set_difference(wide& out, int64_t a, int64_t
   add_product(out, a, b);
   add_product(out, -c, d);
 }
-constexpr wide difference_of_products(int64_t a, int64_t b, int64_t c, int64_t d) {
-  wide out;
-  set_difference(out, a, b, c, d);
-  return out;
-}
 
 }  // namespace detail
 

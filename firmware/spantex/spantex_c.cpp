@@ -52,6 +52,7 @@ constexpr spantex_status outside(status s) { return spantex_status(s); }
 constexpr rectangle inside(spantex_rectangle r) { return {r.x0, r.y0, r.x1, r.y1}; }
 constexpr screen_point inside(spantex_point p) { return {p.x, p.y}; }
 constexpr texel_point inside(spantex_texel_point p) { return {p.u, p.v}; }
+constexpr screen_vertex inside(const spantex_screen_vertex& v) { return {inside(v.at), inside(v.map), v.w}; }
 constexpr vertex inside(const spantex_vertex& v) { return {v.x, v.y, v.z, v.u, v.v}; }
 constexpr looking_camera inside(const spantex_camera& c) { return {c.heading, c.pitch, c.roll, c.focal, c.centre_x, c.centre_y}; }
 
@@ -85,12 +86,9 @@ struct quad {
   const spantex_texel_point* map;
 };
 SPANTEX_FRAME_APART status set_up(rows::picture_state& memory, const target_type& target, const quad& q, const texture_view& t) {
-  polygon& p = memory.shape;
-  p.box = rows::screen_of(target);
-  SPANTEX_TRY(detail::begin_picture(p));
-  for (int k = 0; k < 4; ++k)
-    SPANTEX_TRY(detail::hold_corner(inside(q.corners[k]), q.map != nullptr ? inside(q.map[k]) : corner_of_map(k, t.width(), t.height()), 1, p.edges));
-  return detail::finish_picture(p);
+  memory.shape.box = rows::screen_of(target);
+  const auto corner = [&](int k) { return screen_vertex{inside(q.corners[k]), q.map != nullptr ? inside(q.map[k]) : corner_of_map(k, t.width(), t.height()), 1}; };
+  return detail::make_picture(4, corner, memory.shape);
 }
 struct sprite_view { const spantex_sprite* of; };
 SPANTEX_FRAME_APART status set_up(rows::picture_state& memory, const target_type& target, const sprite_view& view, const texture_view& t) {
@@ -127,14 +125,8 @@ struct triangles : list_of<spantex_screen_vertex> {};
 struct mesh : list_of<spantex_vertex> { const spantex_projection* camera; };
 
 SPANTEX_FRAME_APART status set_up_triangle(rows::picture_state& memory, const target_type& target, const triangles& list, int32_t k) {
-  polygon& p = memory.shape;
-  p.box = rows::screen_of(target);
-  SPANTEX_TRY(detail::begin_picture(p));
-  for (int n = 0; n < 3; ++n) {
-    const spantex_screen_vertex& v = rows::detail::corner_of(list, k, n);
-    SPANTEX_TRY(detail::hold_corner(inside(v.at), inside(v.map), v.w, p.edges));
-  }
-  return detail::finish_picture(p);
+  memory.shape.box = rows::screen_of(target);
+  return detail::make_picture(3, [&](int n) { return inside(rows::detail::corner_of(list, k, n)); }, memory.shape);
 }
 SPANTEX_FRAME_APART status set_up_triangle(rows::picture_state& memory, const target_type& target, const mesh& list, int32_t k) {
   const projection camera{list.camera->focal_x, list.camera->focal_y, list.camera->centre_x, list.camera->centre_y, list.camera->near_z};

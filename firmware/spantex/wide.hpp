@@ -58,13 +58,6 @@ SPANTEX_FRAME_APART constexpr void accumulate(wide& sum, uint64_t a, uint64_t b)
   add_words(sum, second << 32, second >> 32);
 }
 
-// 64 x 64 -> 128, unsigned.
-constexpr wide multiply_unsigned(uint64_t a, uint64_t b) {
-  wide p;
-  accumulate(p, a, b);
-  return p;
-}
-
 // sum += a b: exact, as the product. In two's complement: a negative factor is 2^64 too large as an unsigned one.
 SPANTEX_FRAME_APART SPANTEX_WRAPS constexpr void add_product(wide& sum, int64_t a, int64_t b) {
   sum.high = int64_t(uint64_t(sum.high) - (a < 0 ? uint64_t(b) : 0) - (b < 0 ? uint64_t(a) : 0));

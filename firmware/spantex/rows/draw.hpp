@@ -60,6 +60,10 @@ constexpr int32_t every_second_bit(uint32_t x) {
   return y;
 }
 
+// By reference or as a copy.
+template <class T, bool ByReference> struct kept { using type = const T; };
+template <class T> struct kept<T, true> { using type = const T&; };
+
 // Rectangles: the same columns in every row.
 struct rectangle_cover {
   static constexpr bool whole_rows = true;
@@ -96,7 +100,8 @@ struct polygon_cover {
 // What is known of a map when the program is compiled. A map that repeats, with sides that are powers of two, needs the least code (nearest only).
 enum class map_kind : uint8_t { any, repeats_in_powers_of_two };
 
-template <filter Kind, class Target, class Cover, map_kind Map = map_kind::any>
+// `Small`: less stack for more instructions; part of the type, as programs may be compiled for size in part.
+template <filter Kind, class Target, class Cover, map_kind Map = map_kind::any, bool Small = optimised_for_size>
 class painter {
  public:
   // What the target takes of `wanted`.
@@ -132,13 +137,13 @@ class painter {
     // Made at once it takes less stack, made when it is needed fewer instructions.
     const auto make_part = [&] { return block_part{x0, y0, int8_t(left), int8_t(right), int8_t(top), int8_t(bottom)}; };
     block_part part{};
-    if constexpr (optimised_for_size) part = make_part();
+    if constexpr (Small) part = make_part();
     if (left >= right || top >= bottom || !cover_.prepare(memory_.masks, x0, y0, k)) return true;
     block& b = memory_.coordinates;
     // Inlined where code is to be least; else its frame is not to lie under the kernels'.
     constexpr auto at = Map == map_kind::repeats_in_powers_of_two ? block_at<false> : block_at_apart<uses_levels(Kind)>;
     if (!at(plane_, x0 >> k, y0 >> k, k, {map_.last_level(), 0}, memory_.about, b)) return is_behind(plane_, x0 >> k, y0 >> k, k);
-    if constexpr (!optimised_for_size) part = make_part();
+    if constexpr (!Small) part = make_part();
     if constexpr (Map == map_kind::repeats_in_powers_of_two) draw_masked(b, part);
     else if constexpr (uses_levels(Kind)) draw_with_levels(b, part);
     else on_one_level(b, part, 0, find_source(b, 0, Kind == filter::nearest ? 0 : snap));
@@ -146,13 +151,8 @@ class painter {
   }
 
   // A copy is not read again row by row, or block by block, but costs stack.
-#ifdef __OPTIMIZE_SIZE__
-  using part_of_rows = const block_part&;
-  using area_of_blocks = const rectangle&;
-#else
-  using part_of_rows = const block_part;
-  using area_of_blocks = const rectangle;
-#endif
+  using part_of_rows = typename detail::kept<block_part, Small>::type;
+  using area_of_blocks = typename detail::kept<rectangle, Small>::type;
   template <class Row>
   [[gnu::always_inline]] void each_row(part_of_rows part, const Row& draw_row) {
     const uint32_t wanted = detail::columns(part.left, part.right);

@@ -32,12 +32,9 @@ namespace detail {
 // Set-up is apart: its frames are gone when the picture is drawn.
 template <class Target>
 SPANTEX_FRAME_APART status set_up(picture_state& memory, const Target& target, const quad& q, const texture_view& t) {
-  polygon& p = memory.shape;
-  p.box = screen_of(target);
-  SPANTEX_TRY(spantex::detail::begin_picture(p));
-  for (int k = 0; k < 4; ++k)
-    SPANTEX_TRY(spantex::detail::hold_corner(q.corners[k], q.map != nullptr ? q.map[k] : corner_of_map(k, t.width(), t.height()), 1, p.edges));
-  return spantex::detail::finish_picture(p);
+  memory.shape.box = screen_of(target);
+  const auto corner = [&](int k) { return screen_vertex{q.corners[k], q.map != nullptr ? q.map[k] : corner_of_map(k, t.width(), t.height()), 1}; };
+  return spantex::detail::make_picture(4, corner, memory.shape);
 }
 template <class Target>
 SPANTEX_FRAME_APART status set_up(picture_state& memory, const Target& target, const sprite& s, const texture_view& t) {
@@ -105,14 +102,8 @@ constexpr const auto& corner_of(const List& list, int32_t k, int32_t n) {
 
 template <class Target>
 SPANTEX_FRAME_APART status set_up_triangle(picture_state& memory, const Target& target, const triangle_list& list, int32_t k) {
-  polygon& p = memory.shape;
-  p.box = screen_of(target);
-  SPANTEX_TRY(spantex::detail::begin_picture(p));
-  for (int n = 0; n < 3; ++n) {
-    const screen_vertex& v = corner_of(list, k, n);
-    SPANTEX_TRY(spantex::detail::hold_corner(v.at, v.map, v.w, p.edges));
-  }
-  return spantex::detail::finish_picture(p);
+  memory.shape.box = screen_of(target);
+  return spantex::detail::make_picture(3, [&](int n) -> const screen_vertex& { return corner_of(list, k, n); }, memory.shape);
 }
 template <class Target>
 SPANTEX_FRAME_APART status set_up_triangle(picture_state& memory, const Target& target, const mesh& list, int32_t k) {
