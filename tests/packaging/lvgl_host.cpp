@@ -11,16 +11,18 @@ static constexpr int width = 40, height = 30, stride = 48;
 static uint16_t picture_pixels[width * height], canvas_pixels[stride * height], seen[stride * height];
 
 lv_draw_buf_t* lv_canvas_get_draw_buf(lv_obj_t* canvas) { return &canvas->buffer; }
-lv_color_t lv_color_black() { return {0, 0, 0}; }
-void lv_canvas_fill_bg(lv_obj_t*, lv_color_t, lv_opa_t) {
-  for (int y = 0; y < height; ++y) memset(canvas_pixels + y * stride, 0, 2 * width);
+static uint16_t filled;
+void lv_canvas_fill_bg(lv_obj_t*, lv_color_t c, lv_opa_t) {
+  filled = uint16_t(c.red >> 3 << 11 | c.green >> 2 << 5 | c.blue >> 3);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) canvas_pixels[y * stride + x] = filled;
 }
 
 static int failed(const char* what) { return printf("%s\n", what), 1; }
 static int drawn() {
   int count = 0;
   for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x) count += canvas_pixels[y * stride + x] != 0;
+    for (int x = 0; x < width; ++x) count += canvas_pixels[y * stride + x] != filled;
   return count;
 }
 
@@ -42,6 +44,8 @@ int main() {
   memcpy(seen, canvas_pixels, sizeof seen);
   if (card.draw(450 - 7200) != spantex::status::ok || memcmp(seen, canvas_pixels, sizeof seen) != 0) return failed("two whole turns back: another picture");
   if (card.draw(-450) != spantex::status::ok || memcmp(seen, canvas_pixels, sizeof seen) == 0) return failed("turned the other way: the same picture");
+  card.background = {0, 0xFF, 0};
+  if (card.draw(900) != spantex::status::ok || canvas_pixels[0] != 0x07E0 || drawn() > height) return failed("edge-on: not the background");
   picture.header.cf = LV_COLOR_FORMAT_ARGB8888;
   if (card.draw(0) != spantex::status::out_of_range) return failed("another format taken");
   return 0;

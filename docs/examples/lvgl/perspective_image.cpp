@@ -32,7 +32,7 @@ status perspective_image::draw(int32_t angle, filter kind) {
   rows::frame565 frame{};
   SPANTEX_TRY(map_of(*picture, map));
   SPANTEX_TRY(frame_of(lv_canvas_get_draw_buf(canvas), frame));
-  lv_canvas_fill_bg(canvas, lv_color_black(), LV_OPA_COVER);  // tells LVGL to show the canvas anew, too
+  lv_canvas_fill_bg(canvas, background, LV_OPA_COVER);  // tells LVGL to show the canvas anew, too
 
   // A turn is 2^32. The eye is two picture widths away from the axis; there a pixel of the picture is a pixel of the screen.
   const int32_t turned = angle % 3600;

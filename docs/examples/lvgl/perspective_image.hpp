@@ -15,10 +15,11 @@
 struct perspective_image {
   lv_obj_t* canvas;               // its draw buffer: LV_COLOR_FORMAT_RGB565
   const lv_image_dsc_t* picture;  // LV_COLOR_FORMAT_RGB565, rows without gaps, sides 1..4096; not copied
+  lv_color_t background{};        // what lies beside the picture: black, or what lies under the canvas
   spantex::rows::state state{};
   spantex::polygon face{};
 
-  // Turned by `angle` tenths of a degree, any number; at 0 a picture pixel is a canvas pixel. What lies beside the picture becomes black.
+  // Turned by `angle` tenths of a degree, any number; at 0 a picture pixel is a canvas pixel.
   // Errors: out_of_range (a format or stride that is not as above), those of texture_view::make() and make_polygon().
   spantex::status draw(int32_t angle, spantex::filter kind = spantex::filter::bilinear);
 };

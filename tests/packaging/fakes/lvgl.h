@@ -33,5 +33,4 @@ typedef struct {
 extern "C" {
 lv_draw_buf_t* lv_canvas_get_draw_buf(lv_obj_t* canvas);
 void lv_canvas_fill_bg(lv_obj_t* canvas, lv_color_t color, lv_opa_t opa);
-lv_color_t lv_color_black(void);
 }
