@@ -51,12 +51,13 @@ class pixman_peer final : public peer {
   }
 
  private:
-  // Only ratios matter: as large as 16.16 takes, for the sake of its precision.
+  // Only ratios matter: as large as 16.16 takes, for the sake of its precision; affine ones with a divisor of 1, which is how pixman knows its ways for them.
   bool set_transform(const double* m) {
     double largest = 0;
     for (int k = 0; k < 9; ++k) largest = std::max(largest, fabs(m[k]));
+    const double scale = m[6] == 0 && m[7] == 0 ? 1 / m[8] : 16384 / largest;
     pixman_f_transform f;
-    for (int k = 0; k < 9; ++k) f.m[k / 3][k % 3] = m[k] / largest * 16384;
+    for (int k = 0; k < 9; ++k) f.m[k / 3][k % 3] = m[k] * scale;
     pixman_transform fixed;
     if (!pixman_transform_from_pixman_f_transform(&fixed, &f)) return false;
     return pixman_image_set_transform(map_, &fixed);

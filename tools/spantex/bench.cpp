@@ -26,7 +26,7 @@ using json = nlohmann::ordered_json;
 
 struct bench_options {
   std::vector<std::string> scenes{"all"}, filters{"nearest", "bilinear", "three-point", "trilinear", "aniso"}, profiles{"all"}, kernels{"all"}, peers{"all"};
-  std::string size = "640x480", out;
+  std::string matrix, size = "640x480", out;
   bench_maps maps;
   int rounds = 9;
   bool growth = false, counts = false, draws_only = false;
@@ -130,10 +130,14 @@ void print_growth(const std::vector<growth_curve>& curves) {
 }
 
 std::vector<sim::scene> scenes_of(const bench_options& o) {
-  const std::vector<std::string> names = o.scenes == std::vector<std::string>{"all"} ? bench_scene_names() : o.scenes;
+  const sim::screen_size size = parse_size(o.size);
+  const bool all = o.scenes == std::vector<std::string>{"all"};
+  std::vector<std::string> names = o.scenes;
+  if (all) names = o.matrix.empty() ? bench_scene_names() : std::vector<std::string>{};
   if (std::set<std::string>(names.begin(), names.end()).size() != names.size()) throw sim::input_error("--scenes: one is named twice");
   std::vector<sim::scene> scenes;
-  for (const std::string& name : names) scenes.push_back(make_bench_scene(name, parse_size(o.size), o.maps));
+  for (const std::string& name : names) scenes.push_back(make_bench_scene(name, size, o.maps));
+  if (!o.matrix.empty()) scenes.push_back(make_bench_plane(parse_matrix(o.matrix, size), size, o.maps));
   return scenes;
 }
 
@@ -181,6 +185,7 @@ void add_bench_command(CLI::App& app) {
   sub.add_option("--profiles", o->profiles, list_of(sim::profile_names) + "; or all")->delimiter(',')->capture_default_str();
   sub.add_option("--kernels", o->kernels, "scalar and the host's kernels, or all; one that cannot draw a scene or filter has no row there")->delimiter(',')->capture_default_str();
   sub.add_option("--peers", o->peers, "files of the folder peers beside this command, or all, or none")->delimiter(',')->capture_default_str();
+  sub.add_option("--matrix", o->matrix, "a plane of your own, as of `spantex plane`, after the scenes that --scenes names");
   sub.add_option("--texture", o->maps.texture, "map of the planes instead of a built-in one");
   sub.add_option("--models", o->maps.models, "folder of assimp's test models")->capture_default_str();
   sub.add_option("--size", o->size, "picture size, WxH")->capture_default_str();

@@ -38,12 +38,13 @@ std::shared_ptr<const sim::map_list> built_in_map(int side) {
   return map;
 }
 
-sim::scene plane_scene(const std::string& name, sim::screen_size size, const bench_maps& maps) {
+sim::scene plane_scene(const std::string& name, const sim::matrix& m, sim::screen_size size, const bench_maps& maps) {
   sim::scene s{name, size, maps.texture.empty() ? built_in_map(plane_map_side) : one_map(sim::load_image(maps.texture)), {}};
-  const sim::matrix m = name == "close" ? close_plane : name == "far" ? far_plane : *sim::named_plane(name);
-  sim::add_plane(s, sim::stretched(m, size), 0);
+  sim::add_plane(s, m, 0);
   return s;
 }
+
+sim::matrix plane_of(const std::string& name) { return name == "close" ? close_plane : name == "far" ? far_plane : *sim::named_plane(name); }
 
 sim::scene spider_scene(sim::screen_size size, const bench_maps& maps) {
   const std::string file = maps.models + "/OBJ/spider.obj";
@@ -90,8 +91,10 @@ sim::scene make_bench_scene(const std::string& name, sim::screen_size size, cons
   const std::vector<std::string>& known = bench_scene_names();
   if (std::find(known.begin(), known.end(), name) == known.end())
     throw sim::input_error("--scenes: unknown scene '" + name + "' (known: " + joined(known) + ")");
-  return name == "spider" ? spider_scene(size, maps) : plane_scene(name, size, maps);
+  return name == "spider" ? spider_scene(size, maps) : plane_scene(name, sim::stretched(plane_of(name), size), size, maps);
 }
+
+sim::scene make_bench_plane(const sim::matrix& m, sim::screen_size size, const bench_maps& maps) { return plane_scene("matrix", m, size, maps); }
 
 sim::scene wall_of_squares(int side, sim::screen_size size) {
   sim::scene s = empty_wall_scene("squares", size);

@@ -19,6 +19,9 @@ const std::vector<std::string>& bench_scene_names();
 // For a name of bench_scene_names(). Throws sim::input_error: no such name, a missing file.
 sim::scene make_bench_scene(const std::string& name, sim::screen_size size, const bench_maps& maps);
 
+// A plane of anybody's choice, named "matrix".
+sim::scene make_bench_plane(const sim::matrix& m, sim::screen_size size, const bench_maps& maps);
+
 // A wall that fills the picture, in side x side squares.
 sim::scene wall_of_squares(int side, sim::screen_size size);
 // So many walls one behind the other, each over the whole picture.
