@@ -18,7 +18,7 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 F = "firmware/spantex/"
 
 STRESS = ["stress", "a_short_run*", [f"sim/stress{part}.cpp" for part in ("", "_describe", "_footprints", "_judge", "_planes", "_polygons")]]
-KERNELS = [f"hal/kernels/{name}.cpp" for name in ("avx2", "avx512", "byte_planes", "kernel", "neon", "planar_map", "row_levels", "sse41", "words")]
+KERNELS = [f"hal/kernels/{name}.cpp" for name in ("avx2", "avx512", "byte_planes", "kernel", "neon", "planar_map", "row_levels", "shortcuts", "sse41", "words")]
 OBJECT_SPACE = ["sim/" + name + ".cpp" for name in ("distance_field", "draw_host", "encode", "encode_bc", "encode_etc", "figures", "file", "ideal",
                                                     "image", "map", "object_space_host", "palette", "pattern", "prefilter", "quality", "reference",
                                                     "scene", "trace", "unchanged", "world")] + KERNELS
@@ -104,6 +104,15 @@ GATES = [
     ("a vector kernel's mean half up", "hal/kernels/vectors/pixels.hpp", "whole - (v((whole * n) << 15 == t) & whole & 1)", "whole", "kernels", "random_planes*", KERNELS),
     ("a vector kernel's rows as long as they like", "hal/kernels/vectors/aniso.hpp", "limit - reach_of(c)", "8192", "kernels", "rows_beyond*", KERNELS),
     ("a vector kernel's texels before the division", "hal/kernels/vectors/common.hpp", "extent + (extent >> (-1 - c.slope_log2)) + 1", "extent", "kernels", "texels_after*", KERNELS),
+    ("copies of texels next to the centre", "hal/kernels/shortcuts.cpp", "(1 << (16 - by.coordinate_bits)) - 4", "(1 << (16 - by.coordinate_bits)) + 12", "kernels", "whole_texels*", KERNELS),
+    ("copies of what does not stay at the centre", "hal/kernels/shortcuts.cpp", "&& holds(c.x0, c.y1) && holds(c.x1, c.y1)", "", "kernels", "whole_texels*", KERNELS),
+    ("copies along one axis looked at", "hal/kernels/shortcuts.cpp", " && centred(p.v_at(x, y), y + 2 * v)", "", "kernels", "whole_texels*", KERNELS),
+    ("copies beyond the end of the range", "hal/kernels/shortcuts.cpp", "constexpr int32_t farthest = 32000", "constexpr int32_t farthest = 40000", "kernels", "whole_texels*", KERNELS),
+    ("copies beyond a clamped map's end from its beginning", "hal/kernels/shortcuts.cpp", "row[length_u - 1]", "row[0]", "kernels", "whole_texels*", KERNELS),
+    ("copies of a map that begins again a texel late", "hal/kernels/shortcuts.cpp", "count > 0; at = 0", "count > 0; at = 1", "kernels", "whole_texels*", KERNELS),
+    ("parts of spans copied whole", "hal/kernels/shortcuts.cpp", "if (bits == a_row)", "if (bits != 0)", "kernels", "whole_texels*", KERNELS),
+    ("a map of one colour but one texel filled", "hal/kernels/row_levels.cpp", "uniform_ &= texels_.back() == texels_.front();", "", "kernels", "random_planes*", KERNELS),
+    ("fills behind the viewer", "hal/kernels/shortcuts.cpp", "return s.map->w_at(x, y) > 0; })", "return s.map->w_at(x, y) != 0; })", "kernels", "maps_of_one*", KERNELS),
     ("a vector kernel's positions next to the range's end", "hal/kernels/kernel.hpp", "- (2 << max_extent_log2) - 2", "- (1 << max_extent_log2) - 2", "kernels", "positions_next*", KERNELS),
     ("a vector kernel's texels beyond two periods", "hal/kernels/vectors/spans.hpp", "  at = least16_unsigned(at, subtract16(at, two));\n", "", "kernels", "random_planes*", KERNELS),
     ("words rounded half up", "hal/kernels/vectors/words.hpp", "- 1) * in_both + (x >> fraction & in_both)", "- 0) * in_both", "kernels", "random_planes*", KERNELS),

@@ -63,6 +63,7 @@ void row_levels::add_texels(const texture_view& view, int level) {
     for (const int32_t u : across) {
       texels_.push_back(view.texel(level, u, v));
       opaque_ &= texels_.back().a == 255;
+      uniform_ &= texels_.back() == texels_.front();
     }
   }
 }

@@ -29,6 +29,7 @@ class row_levels {
   uint32_t ratio_v(int level) const { return ratio_v_[level]; }
   bool masks_only() const { return masks_only_; }     // both axes repeat or mirror after a power of two: k & mask is all
   bool opaque() const { return opaque_; }             // every texel of these has alpha 255
+  bool uniform() const { return uniform_; }           // all of them are one colour
   int32_t modulo_u() const { return modulo_u_; }      // what bases are taken modulo, texels of level 0; 0 where they may stay
   int32_t modulo_v() const { return modulo_v_; }
   // How far texels of level 0 may lie from a base, in either axis, on levels up to this one.
@@ -43,7 +44,7 @@ class row_levels {
   std::vector<rgba8> texels_;
   uint32_t ratio_u_[most] = {}, ratio_v_[most] = {};
   int count_ = 0, exact_count_ = 0;
-  bool masks_only_ = true, opaque_ = true;
+  bool masks_only_ = true, opaque_ = true, uniform_ = true;
   int32_t modulo_u_ = 0, modulo_v_ = 0, limit_[2][most] = {}, far_doublings_ = 0;
 };
 

@@ -201,6 +201,94 @@ SPANTEX_CASE(nothing_is_written_outside_the_area) {
     for (const rectangle area : {rectangle{3, 5, 61, 44}, {9, 9, 10, 10}, {0, 0, 8, 8}, {63, 0, 65, 71}}) draw_all(sample_plane(1), map, kind, area, 67, 71);
 }
 
+// A texel a pixel, upright, give or take: from texel (u, v) on.
+plane upright_plane(double u, double v, double step_u, double step_v, rectangle area) {
+  const double m[9] = {step_u, 0, u, 0, step_v, v, 0, 0, 1};
+  plane p{};
+  SPANTEX_ASSERT_OK(make_plane(homography_of(m), area, p));
+  return p;
+}
+void no_kernel(const kernels::row_work&) { fail_msg("a row was not drawn by its shortcut"); }
+
+// What draw_all() drew last, without a kernel.
+void draw_by_shortcut(const plane& p, const ready_map& map, filter kind, rectangle area) {
+  picture drawn;
+  drawn.reset(by_scalar.width, by_scalar.height);
+  engine_type engine;
+  renderer_type rest(engine, prof{}, drawn.frame());
+  draw_counters counts;
+  SPANTEX_ASSERT_OK(kernels::draw_plane(no_kernel, map.rows, rest, p, map.view, kind, area, drawn.frame(), counts));
+  assert_true(drawn.pixels == by_scalar.pixels);
+  assert_int_equal(counts.jobs, span_count(area));
+}
+
+SPANTEX_CASE(whole_texels_are_copied) {
+  static constexpr int32_t sides[][2] = {{64, 32}, {1, 1}, {37, 5}, {300, 7}, {1, 16}};
+  constexpr rectangle whole{0, 0, 203, 101}, part{3, 5, 61, 44};
+  random_source random(31);
+  for (const auto& side : sides)
+    for (const wrap w : wraps) {
+      const ready_map map(random_map(side[0], side[1]), w);
+      for (const filter kind : filters)
+        for (const rectangle area : {whole, part}) {
+          const bool small = random.between(0, 1) == 0;
+          const int32_t far = small ? 2 * side[0] : 27000;
+          const auto u = double(random.between(-far, far)), v = double(random.between(-far, far));
+          for (const double off : {0.0, 0.0039, -0.0041, 0.25}) {
+            draw_all(upright_plane(u + off, v, 1, 1, whole), map, kind, area, 203, 101);
+            draw_all(upright_plane(u, v + off, 1, 1, whole), map, kind, area, 203, 101);
+          }
+          for (const double more : {0.00001, 0.00004, -0.00004, 0.001}) {
+            draw_all(upright_plane(u, v, 1 + more, 1, whole), map, kind, area, 203, 101);
+            draw_all(upright_plane(u, v, 1, 1 + 2 * more, whole), map, kind, area, 203, 101);
+          }
+          const plane exact = upright_plane(u + 0.0037, v - 0.0037, 1, 1, whole);
+          draw_all(exact, map, kind, area, 203, 101);
+          draw_by_shortcut(exact, map, kind, area);
+        }
+    }
+  const ready_map map(random_map(64, 64), wrap::mirror);
+  for (const double end : {32760.0, 32600.0, 32000.0, -32760.0, -32700.0}) draw_all(upright_plane(end, 0, 1, 1, whole), map, filter::bilinear, whole, 203, 101);
+}
+
+// A rectangle as far from the viewer as a texel is a pixel, its sides between pixels.
+SPANTEX_CASE(polygons_of_whole_texels_are_copied) {
+  constexpr int32_t one = 1 << 16, width = 203, height = 101, half = one / 2;
+  constexpr projection camera{100 * one, 100 * one, width * half, height * half, one};
+  const ready_map map(random_map(64, 48), wrap::repeat);
+  const auto corner = [](int32_t x, int32_t y) { return vertex{x, y, 100 * one, x + width * half - 7 * one, y + height * half + 11 * one}; };
+  const vertex corners[] = {corner(-50 * one - 20000, -30 * one - 9000), corner(61 * one, -30 * one - 9000), corner(61 * one, 40 * one + 100), corner(-50 * one - 20000, 40 * one + 100)};
+  polygon p{};
+  SPANTEX_ASSERT_OK(make_polygon(corners, 4, camera, {0, 0, width, height}, p));
+  for (const filter kind : filters) {
+    picture copied;
+    copied.reset(width, height);
+    by_scalar.reset(width, height);
+    engine_type engine, other;
+    renderer_type r(engine, prof{}, by_scalar.frame()), rest(other, prof{}, copied.frame());
+    draw_counters counts;
+    SPANTEX_ASSERT_OK(r.draw(p, map.view, kind, depth_buffer{}));
+    SPANTEX_ASSERT_OK(r.finish());
+    SPANTEX_ASSERT_OK(kernels::draw_polygon(no_kernel, map.rows, rest, p, map.view, kind, depth_buffer{}, copied.frame(), counts));
+    assert_true(copied.pixels == by_scalar.pixels);
+    assert_int_equal(counts.pixels, r.counters().pixels);
+  }
+}
+
+SPANTEX_CASE(maps_of_one_colour_are_filled) {
+  const ready_map map(make_map(24, 40, [](int32_t, int32_t) { return rgba8{9, 200, 77, 130}; }), wrap::clamp);
+  for (const filter kind : filters)
+    for (int k = 0; k < 3; ++k)
+      for (const rectangle area : {rectangle{0, 0, 203, 101}, {3, 5, 61, 44}}) {
+        draw_all(sample_plane(k), map, kind, area, 203, 101);
+        draw_by_shortcut(sample_plane(k), map, kind, area);
+      }
+  constexpr double horizon[9] = {1, 0, 0, 0, 1, 0, 0, 0.02, -1};  // behind the viewer above it
+  plane p{};
+  SPANTEX_ASSERT_OK(make_plane(homography_of(horizon), {0, 0, 203, 101}, p));
+  draw_all(p, map, filter::trilinear, {0, 0, 203, 101}, 203, 101);
+}
+
 // Hundreds of triangles through each other, in front of the camera and across it: picture, depths and floors are the engine's.
 constexpr int32_t one = 1 << 16, scene_width = 203, scene_height = 101;
 
@@ -274,6 +362,9 @@ int main() {
       cmocka_unit_test(samples_next_to_the_end_of_the_range),
       cmocka_unit_test(reciprocals_just_above_one),
       cmocka_unit_test(nothing_is_written_outside_the_area),
+      cmocka_unit_test(whole_texels_are_copied),
+      cmocka_unit_test(polygons_of_whole_texels_are_copied),
+      cmocka_unit_test(maps_of_one_colour_are_filled),
       cmocka_unit_test(polygons_with_depth_are_the_same),
   };
   return run_suite("kernels", tests);

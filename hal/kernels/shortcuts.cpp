@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "shortcuts.hpp"
+
+#include <string.h>
+
+#include <algorithm>
+
+namespace spantex::kernels {
+namespace {
+
+// Half pixels, from the first pixel's centre to the last's.
+struct corners { int32_t x0, y0, x1, y1; };
+corners spans_of(rectangle area) {
+  constexpr int32_t of_a_span = 2 * span_side;
+  const auto first = [](int32_t x) { return x / span_side * of_a_span + 1; };
+  const auto last = [](int32_t x) { return ((x - 1) / span_side + 1) * of_a_span - 1; };
+  return {first(area.x0), first(area.y0), last(area.x1), last(area.y1)};
+}
+
+template <class Holds>
+bool at_every(const corners& c, const Holds& holds) {
+  return holds(c.x0, c.y0) && holds(c.x1, c.y0) && holds(c.x0, c.y1) && holds(c.x1, c.y1);
+}
+
+// How far a position may lie from a texel's centre, 2^-16 texel, so that every weight is 0: less than half a weight's step. The rounding to coordinate_bits
+// takes half a unit of that, what comes before it 2^-15 texel (ACCURACY 4): 2^-14 with both.
+constexpr const profile& by = profiles::standard;
+constexpr int32_t most_off_centre = (1 << (15 - by.subtexel_bits)) - (1 << (16 - by.coordinate_bits)) - 4;
+static_assert(by.coordinate_bits >= 14 && by.offset_bits >= 21 && by.position_rounding == rounding::nearest);
+// Over a span's width positions then change by a texel a pixel, give or take 2^-9: a level of detail is this bias, below 0, and a row has one sample.
+static_assert(by.mip_bias <= -1 && by.sample_slack >= 1);
+
+// Steps of a texel a pixel, upright; W alike everywhere, so that spans are affine.
+bool shift_of(const plane& p, const corners& c, int32_t& u, int32_t& v) {
+  const int64_t w = p.w_at(c.x0, c.y0);
+  constexpr int32_t farthest = 32000;
+  if ((p.w.x | p.w.y) != 0 || w <= 0 || !rounding_is_small(p, w, 16)) return false;
+  const auto texel = [&](int64_t n) { return n / w - (n % w < 0 ? 1 : 0); };
+  const int64_t from_u = texel(p.u_at(c.x0, c.y0)) - c.x0 / 2, from_v = texel(p.v_at(c.x0, c.y0)) - c.y0 / 2;
+  if (std::max(std::abs(from_u), std::abs(from_v)) > farthest - max_screen_px) return false;
+  u = int32_t(from_u);
+  v = int32_t(from_v);
+  const int64_t limit = 2 * most_off_centre * (w >> 16);
+  const auto centred = [&](int64_t n, int32_t texels_and_half) { return std::abs(2 * n - texels_and_half * w) <= limit; };  // texels_and_half: half texels
+  return at_every(c, [&](int32_t x, int32_t y) { return centred(p.u_at(x, y), x + 2 * u) && centred(p.v_at(x, y), y + 2 * v); });
+}
+
+// Level 0 in rows, `length` texels to a period or, clamped, to the map's end.
+struct rows_of_map {
+  const rgba8* origin;
+  int32_t stride, length_u, length_v;
+  bool clamped_u, clamped_v;
+
+  explicit rows_of_map(const planar_map& map)
+      : origin(map.levels_in_rows().texels() + map.levels_in_rows().value(row_levels::origin, 0)), stride(map.levels_in_rows().value(row_levels::step, 0) >> 16),
+        length_u(map.wrap_u() == wrap::mirror ? 2 * map.width() : map.width()), length_v(map.wrap_v() == wrap::mirror ? 2 * map.height() : map.height()),
+        clamped_u(map.wrap_u() == wrap::clamp), clamped_v(map.wrap_v() == wrap::clamp) {}
+
+  static int32_t wrapped(int32_t x, int32_t length, bool clamped) {
+    if (clamped) return clamp_to(x, 0, length - 1);
+    const int32_t rest = x % length;
+    return rest < 0 ? rest + length : rest;
+  }
+  void copy(int32_t u, int32_t v, int32_t count, rgba8* out) const {
+    const rgba8* const row = origin + int64_t(wrapped(v, length_v, clamped_v)) * stride;
+    if (clamped_u) {
+      const int32_t before = clamp_to(-u, 0, count), within = clamp_to(length_u - max_of(u, 0), 0, count - before);
+      std::fill_n(out, before, row[0]);
+      std::copy_n(row + u + before, within, out + before);
+      std::fill_n(out + before + within, count - before - within, row[length_u - 1]);
+      return;
+    }
+    for (int32_t at = wrapped(u, length_u, false); count > 0; at = 0) {
+      const int32_t n = min_of(count, length_u - at);
+      memcpy(out, row + at, size_t(n) * sizeof *out);
+      out += n;
+      count -= n;
+    }
+  }
+};
+
+// Calls draw(x, y, count) for the pixels of a row of spans, as many side by side as their masks are the same whole rows.
+template <class Draw>
+void each_run(const row_work& work, const Draw& draw) {
+  constexpr span_mask a_row = 0xFF;
+  for (int k = 0; k < work.count;) {
+    const span_mask mask = work.masks[k];
+    int same = 1;
+    while (k + same < work.count && work.masks[k + same] == mask) ++same;
+    for (int j = 0; j < span_side; ++j) {
+      const auto bits = uint32_t(mask >> (span_side * j) & a_row);
+      const int32_t x = (work.sx + k) * span_side, y = work.sy * span_side + j;
+      if (bits == a_row) {
+        draw(x, y, same * span_side);
+        continue;
+      }
+      for (int n = 0; n < same; ++n)
+        for (uint32_t rest = bits; rest != 0; rest &= rest - 1) draw(x + n * span_side + __builtin_ctz(rest), y, 1);
+    }
+    k += same;
+  }
+}
+
+}  // namespace
+
+shortcut shortcut_of(const surface& s, const planar_map& texels, rectangle area) {
+  const corners c = spans_of(area);
+  if (texels.levels_in_rows().uniform() && at_every(c, [&](int32_t x, int32_t y) { return s.map->w_at(x, y) > 0; })) return {shortcut::way::fill, 0, 0};
+  shortcut found;
+  if (shift_of(*s.map, c, found.u, found.v)) found.how = shortcut::way::copy;
+  return found;
+}
+
+void draw_by(const shortcut& s, const row_work& work) {
+  const auto pixel = [&](int32_t x, int32_t y) { return work.pixels + (int64_t(y) * work.stride + x); };
+  const rows_of_map map(*work.texels);
+  if (s.how == shortcut::way::fill) return each_run(work, [&](int32_t x, int32_t y, int32_t count) { std::fill_n(pixel(x, y), count, *map.origin); });
+  each_run(work, [&](int32_t x, int32_t y, int32_t count) { map.copy(x + s.u, y + s.v, count, pixel(x, y)); });
+}
+
+}  // namespace spantex::kernels

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+// Rows of spans that need no arithmetic: whole texels copied, or one colour. The bytes are the engine's in profile default (its skips `copy`, `uniform`).
+#pragma once
+#include <stdint.h>
+
+#include <spantex/draw.hpp>
+#include "kernel.hpp"
+
+namespace spantex::kernels {
+
+struct shortcut {
+  enum class way : uint8_t { none, copy, fill };
+  way how = way::none;
+  int32_t u = 0, v = 0;  // copy: pixel (x, y) is texel (x + u, y + v) of level 0, wrapped
+};
+
+// Of a surface whose texels are opaque colours as they are drawn, for all spans that `area` touches.
+shortcut shortcut_of(const surface& s, const planar_map& texels, rectangle area);
+
+// Draws all spans of the row.
+void draw_by(const shortcut& s, const row_work& work);
+
+}  // namespace spantex::kernels
