@@ -100,6 +100,8 @@ struct polygon_cover {
 // What is known of a map when the program is compiled. A map that repeats, with sides that are powers of two, needs the least code (nearest only).
 enum class map_kind : uint8_t { any, repeats_in_powers_of_two };
 
+inline namespace SPANTEX_ROWS_KERNELS {
+
 // `Small`: less stack for more instructions; part of the type, as programs may be compiled for size in part.
 template <filter Kind, class Target, class Cover, map_kind Map = map_kind::any, bool Small = optimised_for_size>
 class painter {
@@ -307,6 +309,8 @@ class painter {
   area_of_blocks area_;
   Cover cover_;
 };
+
+}  // namespace SPANTEX_ROWS_KERNELS
 
 // What a map must be. Errors: out_of_range (its format, a filter that rows do not have), bad_levels (sides that do not halve exactly).
 constexpr status check(const texture_view& t, filter kind) {

@@ -32,6 +32,8 @@ namespace spantex::rows {
 
 inline constexpr int longest_run = 32;
 
+inline namespace SPANTEX_ROWS_KERNELS {
+
 // Memory that a kernel works in, between its two loops where it takes two.
 struct scratch {
 #if SPANTEX_ROWS_DSP
@@ -40,6 +42,8 @@ struct scratch {
   uint32_t words[thumb1::scratch_words];
 #endif
 };
+
+}  // namespace SPANTEX_ROWS_KERNELS
 
 namespace detail {
 

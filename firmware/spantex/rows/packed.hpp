@@ -8,7 +8,7 @@
 // Loops in assembly are for gcc: clang (14) finds too few registers for them. At -O0 a frame pointer takes one that they need; with MVE gcc 12 finds too
 // few at -Os (and at -O3 and -Og in places, which no macro tells: there -DSPANTEX_ROWS_DSP=0, the plain loops, the same pixels).
 #ifndef SPANTEX_ROWS_DSP
-#if !defined(__clang__) && defined(__ARM_FEATURE_DSP) && __ARM_FEATURE_DSP && defined(__ARMEL__) && defined(__thumb2__) && defined(__OPTIMIZE__) && !(defined(__ARM_FEATURE_MVE) && defined(__OPTIMIZE_SIZE__))
+#if !defined(__clang__) && defined(__ARM_FEATURE_DSP) && __ARM_FEATURE_DSP && __ARM_ARCH_PROFILE == 'M' && defined(__ARMEL__) && defined(__thumb2__) && defined(__OPTIMIZE__) && !(defined(__ARM_FEATURE_MVE) && defined(__OPTIMIZE_SIZE__))
 #define SPANTEX_ROWS_DSP 1
 #else
 #define SPANTEX_ROWS_DSP 0
@@ -28,6 +28,17 @@
 #else
 #define SPANTEX_ROWS_THUMB1 0
 #endif
+#endif
+
+// Which kernels there are depends on the flags of a file. What is of another size with them has another name: files of one program may differ.
+#if SPANTEX_ROWS_MVE
+#define SPANTEX_ROWS_KERNELS with_mve
+#elif SPANTEX_ROWS_DSP
+#define SPANTEX_ROWS_KERNELS with_dsp
+#elif SPANTEX_ROWS_THUMB1
+#define SPANTEX_ROWS_KERNELS with_thumb1
+#else
+#define SPANTEX_ROWS_KERNELS plain
 #endif
 
 namespace spantex::rows {

@@ -18,8 +18,12 @@
 
 namespace spantex::rows {
 
+inline namespace SPANTEX_ROWS_KERNELS {
+
 // The caller's memory, in which set-up works too: below 1.7 KiB.
 struct picture_state : state { polygon shape; };
+
+}  // namespace SPANTEX_ROWS_KERNELS
 
 // Corners clockwise from that of the map's texel (0, 0), or with map positions of their own.
 struct quad {

@@ -225,6 +225,7 @@ SPANTEX_FRAME_APART constexpr interval levels_of(const block& b, int32_t roundin
 }
 
 // Rows of a block, each once and one after the other (a row may be changed where it lies): in `w` or, where vectors make four at once, in memory of their own.
+inline namespace SPANTEX_ROWS_KERNELS {
 struct row_maker {
 #if SPANTEX_ROWS_MVE
   walk rows[4];
@@ -248,6 +249,7 @@ struct row_maker {
   }
 #endif
 };
+}  // namespace SPANTEX_ROWS_KERNELS
 
 // Positions of all pixels of a block on a level: the hull of its corners, and an eighth of a unit for what rows leave out. `w`: memory for a row.
 constexpr void widen(interval& x, int32_t a, int32_t b) {
@@ -269,6 +271,8 @@ SPANTEX_FRAME_APART inline void box_of_block(const block& b, int level, walk& w,
 
 }  // namespace detail
 
+inline namespace SPANTEX_ROWS_KERNELS {
+
 // One surface being drawn. Its memory is the caller's: `state`, 440 bytes on a core of 32 bits, 816 with what DSP kernels work in, 1008 with those of Cortex-M0+.
 struct state {
   level_view fine, coarse;        // what runs need comes first: Cortex-M0+ reaches 31 words from an address
@@ -283,6 +287,8 @@ struct state {
   rectangle area;                 // to be drawn
   scratch between;
 };
+
+}  // namespace SPANTEX_ROWS_KERNELS
 
 namespace detail {
 
