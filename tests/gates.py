@@ -104,6 +104,7 @@ GATES = [
     ("a vector kernel's mean half up", "hal/kernels/vectors/pixels.hpp", "whole - (v((whole * n) << 15 == t) & whole & 1)", "whole", "kernels", "random_planes*", KERNELS),
     ("a vector kernel's rows as long as they like", "hal/kernels/vectors/aniso.hpp", "limit - reach_of(c)", "8192", "kernels", "rows_beyond*", KERNELS),
     ("a vector kernel's texels before the division", "hal/kernels/vectors/common.hpp", "extent + (extent >> (-1 - c.slope_log2)) + 1", "extent", "kernels", "texels_after*", KERNELS),
+    ("kernels of other flags under one name", "firmware/spantex/rows/packed.hpp", "define SPANTEX_ROWS_KERNELS with_thumb1", "define SPANTEX_ROWS_KERNELS plain", "scripts", "mixed_flags", []),
     ("copies of texels next to the centre", "hal/kernels/shortcuts.cpp", "(1 << (16 - by.coordinate_bits)) - 4", "(1 << (16 - by.coordinate_bits)) + 12", "kernels", "whole_texels*", KERNELS),
     ("copies of what does not stay at the centre", "hal/kernels/shortcuts.cpp", "&& holds(c.x0, c.y1) && holds(c.x1, c.y1)", "", "kernels", "whole_texels*", KERNELS),
     ("copies along one axis looked at", "hal/kernels/shortcuts.cpp", " && centred(p.v_at(x, y), y + 2 * v)", "", "kernels", "whole_texels*", KERNELS),

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The smallest programs, for their size: set-up of a plane and one filter into a frame buffer, memory from the caller. -DSPANTEX_FILTER=nearest or
 // another; what a feature adds: SPANTEX_ANY_MAP (nearest without a promise about the map), SPANTEX_POLYGONS, SPANTEX_WIDE (128-bit set-up),
-// SPANTEX_FORMAT=rgb888 or another (a target of that format, with blending and clip), SPANTEX_ANY_FORMAT (chosen at run time), SPANTEX_PICTURE=rows::quad or another.
+// SPANTEX_FORMAT=rgb888 or another (a target of that format, with blending and clip), SPANTEX_ANY_FORMAT (chosen at run time), SPANTEX_CAMERAS (planes that they see),
+// SPANTEX_PICTURE=rows::quad or another.
+#include <spantex/camera.hpp>
 #include <spantex/rows/draw.hpp>
 #include <spantex/rows/pictures.hpp>
 #include <spantex/rows/small_plane.hpp>
@@ -45,6 +47,11 @@ int set_up_polygon(const vertex* corners, int count, const projection& camera, c
 int draw_polygon(rows::state& state, const target_type& frame, const polygon& p, const texture_view& map) {
   return int(rows::draw<kind>(state, frame, p, map));
 }
+#endif
+
+#ifdef SPANTEX_CAMERAS
+int set_up_kt88(const kt88_plane& seen, const view& v, plane& out) { return int(make_plane(seen, v, out)); }
+int set_up_attitude(const attitude_camera& camera, const view& v, plane& out) { return int(make_plane(camera, v, out)); }
 #endif
 
 #ifdef SPANTEX_PICTURE

@@ -140,22 +140,22 @@ SPANTEX_FRAME_APART constexpr void set_ground_numerator(wide& out, const ground&
 }  // namespace detail
 
 // The ground as the camera sees it: u = T X, v = T Z where the pixel's ray meets Y = 0. Errors: degenerate (camera on the ground, no texels, or no
-// ground in view), bad_size (of the view).
+// ground in view), bad_size (of the view); `out` is undefined then.
 constexpr status make_plane(const attitude_camera& a, const view& s, plane& out) {
   if (a.position.y == 0 || a.texels_per_unit == 0) return status::degenerate;
-  const attitude r = attitude_of(a.roll, a.pitch, a.yaw);
+  detail::set_attitude(a.roll, a.pitch, a.yaw, out.u, out.v, out.w);  // the plane's memory serves for the rotation
   // Rays are (x, y, 1) on the axes W, -V, U.
-  const auto along = [&](int32_t h, int64_t w, int64_t v, int64_t u) {
-    const auto numerator = [&](int64_t d, int64_t dy) {
-      wide n;
-      detail::set_ground_numerator(n, {a.position.y, a.texels_per_unit}, h, d, dy);
-      return n;
-    };
-    return detail::on_screen({numerator(w, r.yw), numerator(-v, -r.yv), numerator(u, r.yu)}, s);
+  const linear_form &x = out.u, &y = out.v, &z = out.w;
+  const auto set_row = [&](wide_form& row, int32_t along, const linear_form& r) {
+    const detail::ground g{a.position.y, a.texels_per_unit};
+    detail::set_ground_numerator(row.x, g, along, r.c, y.c);
+    detail::set_ground_numerator(row.y, g, along, -r.y, -y.y);
+    detail::set_ground_numerator(row.c, g, along, r.x, y.x);
   };
-  const detail::wide_row u = along(a.position.x, r.xw, r.xv, r.xu), v = along(a.position.z, r.zw, r.zv, r.zu);
-  const detail::wide_row w = detail::on_screen({wide(r.yw), wide(-r.yv), wide(r.yu)}, s);
-  return detail::seen_plane(u, v, w, {a.position.y, detail::log2_major(uint64_t(int64_t(a.texels_per_unit) * a.texels_per_unit), a.position.y, s)}, s, out);
+  set_row(out.exact_u, a.position.x, x);
+  set_row(out.exact_v, a.position.z, z);
+  out.exact_w = {wide(y.c), wide(-y.y), wide(y.x)};
+  return detail::seen_plane({a.position.y, detail::log2_major(uint64_t(int64_t(a.texels_per_unit) * a.texels_per_unit), a.position.y, s)}, s, out);
 }
 
 }  // namespace spantex

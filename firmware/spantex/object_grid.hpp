@@ -44,6 +44,8 @@ struct object_rotation { vector3 across, along, normal; };
 
 namespace detail {
 
+struct wide_vector { wide x, y, z; };
+
 constexpr int32_t ratio_s1_30(int64_t n, int64_t d) {  // |n| <= d < 2^32
   const int64_t q = int64_t((magnitude(n) * (uint64_t(1) << 30) + uint64_t(d) / 2) / uint64_t(d));
   return int32_t(n < 0 ? -q : q);

@@ -110,23 +110,28 @@ struct scaled_gradients {
   int drop;
 };
 constexpr scaled_gradients scaled_gradients_at(const plane& p, int32_t hx, int32_t hy) {
-  wide exact[4];
-  {
-    const int64_t w = p.w_at(hx, hy), nu = p.u_at(hx, hy), nv = p.v_at(hx, hy);
-    detail::set_difference(exact[0], p.u.x, w, nu, p.w.x);
-    detail::set_difference(exact[1], p.u.y, w, nu, p.w.y);
-    detail::set_difference(exact[2], p.v.x, w, nv, p.w.x);
-    detail::set_difference(exact[3], p.v.y, w, nv, p.w.y);
+  constexpr int kept = 31;
+  int32_t cut[4];     // each to its own 31 bits
+  int8_t dropped[4];
+  int drop = 0;
+  const int64_t w = p.w_at(hx, hy);
+  for (int k = 0; k < 4; ++k) {
+    const linear_form& f = k < 2 ? p.u : p.v;
+    wide exact;
+    detail::set_difference(exact, (k & 1) != 0 ? f.y : f.x, w, p.value(f, hx, hy), (k & 1) != 0 ? p.w.y : p.w.x);
+    const bool negative = exact.negative();
+    if (negative) negate(exact);
+    const int bits = max_of(kept, bit_length(exact));
+    cut[k] = int32_t(low_after(exact, bits - kept));
+    if (negative) cut[k] = -cut[k];
+    dropped[k] = int8_t(bits - kept);
+    drop = max_of(drop, int(dropped[k]));
   }
-  int bits = 31;
-  for (const wide& e : exact) bits = max_of(bits, bit_length(e));
-  const auto cut = [bits](wide& e) {
-    const bool negative = e.negative();
-    if (negative) negate(e);
-    const int32_t x = int32_t(low_after(e, bits - 31));
-    return negative ? -x : x;
+  const auto alike = [&](int k) {
+    const int more = min_of(drop - dropped[k], kept);
+    return cut[k] < 0 ? -(-cut[k] >> more) : cut[k] >> more;
   };
-  return {cut(exact[0]), cut(exact[1]), cut(exact[2]), cut(exact[3]), bits - 31};
+  return {alike(0), alike(1), alike(2), alike(3), drop};
 }
 
 // log2 of the lengths of the two columns, s.16; minus 100 for zero.
@@ -210,15 +215,20 @@ SPANTEX_FRAME_APART constexpr status narrow_forms(const rectangle& region, plane
   return status::ok;
 }
 
-// log2 K at the region's middle if that is in front of the viewer, else at its nearest corner (largest W). Errors: degenerate.
+// A point in front of the viewer: the region's middle or else its nearest corner (largest W). False if there is none.
+constexpr bool find_front(const rectangle& region, const plane& p, int32_t& hx, int32_t& hy) {
+  hx = p.origin_x;
+  hy = p.origin_y;
+  if (p.w_at(hx, hy) > 0) return true;
+  hx = p.w.x > 0 ? 2 * region.x1 - 1 : 2 * region.x0 + 1;
+  hy = p.w.y > 0 ? 2 * region.y1 - 1 : 2 * region.y0 + 1;
+  return p.w_at(hx, hy) > 0;
+}
+// log2 K there. Errors: degenerate.
 SPANTEX_FRAME_APART constexpr status set_major_log2(const rectangle& region, plane& p) {
-  int32_t ax = p.origin_x, ay = p.origin_y;
-  if (p.w_at(ax, ay) <= 0) {
-    ax = p.w.x > 0 ? 2 * region.x1 - 1 : 2 * region.x0 + 1;
-    ay = p.w.y > 0 ? 2 * region.y1 - 1 : 2 * region.y0 + 1;
-    if (p.w_at(ax, ay) <= 0) return status::degenerate;
-  }
-  p.major_log2 = major_log2_at(p, ax, ay);
+  int32_t hx = 0, hy = 0;
+  if (!find_front(region, p, hx, hy)) return status::degenerate;
+  p.major_log2 = major_log2_at(p, hx, hy);
   return status::ok;
 }
 
@@ -287,21 +297,25 @@ constexpr wide dot(const vector3& a, const vector3& b) {
 inline constexpr int camera_bits = 40;  // fraction bits of U'k, V'k, Nk below
 
 // U'k = Nk U0' - d Uk with U0' = u0 - P0.U: exact in 62 fraction bits, then rounded to camera_bits.
-struct wide_vector { wide x, y, z; };
-constexpr wide_vector numerator(const kt88_plane& q, const vector3& axis, int32_t t0) {
+SPANTEX_FRAME_APART constexpr void set_component(wide& out, const wide& offset, int32_t n, int32_t d, int32_t a) {
+  out = multiply(offset, n) - shift_left(multiply(d, a), 30);
+  round_off(out, 62 - camera_bits);
+}
+SPANTEX_FRAME_APART constexpr void set_numerator(wide_form& out, const kt88_plane& q, const vector3& axis, int32_t t0) {
   const wide offset = shift_left(wide(t0), 16) - dot(q.anchor, axis);       // s33.32
-  const auto component = [&](int32_t n, int32_t a) {
-    return shift_right_nearest(multiply(offset, n) - shift_left(multiply(q.d, a), 30), 62 - camera_bits);
-  };
-  return {component(q.normal.x, axis.x), component(q.normal.y, axis.y), component(q.normal.z, axis.z)};
+  set_component(out.x, offset, q.normal.x, q.d, axis.x);
+  set_component(out.y, offset, q.normal.y, q.d, axis.y);
+  set_component(out.c, offset, q.normal.z, q.d, axis.z);
 }
 
 // A coefficient triple on rays r = (dx X0, dy Y0, 1), X0 = x - M/2: to pixels from the top left. Gains 33 fraction bits.
-struct wide_row { wide x, y, c; };
-constexpr wide_row on_screen(const wide_vector& k, const view& s) {
-  const wide x = multiply(k.x, int64_t(s.step_x)), y = multiply(k.y, int64_t(s.step_y));
-  const wide c2 = shift_left(k.z, 33) - multiply(x, s.width_px) - multiply(y, s.height_px);
-  return {x + x, y + y, c2};
+SPANTEX_FRAME_APART constexpr void put_on_screen(wide_form& k, const view& s) {
+  k.x = multiply(k.x, int64_t(s.step_x));
+  k.y = multiply(k.y, int64_t(s.step_y));
+  k.c = shift_left(k.c, 33) - multiply(k.x, s.width_px);
+  k.c = k.c - multiply(k.y, s.height_px);
+  k.x = k.x + k.x;
+  k.y = k.y + k.y;
 }
 
 // log2(2 T Delta d), 16 fraction bits: T the texels per unit of length (squared, 32 fraction bits), Delta the larger pixel step.
@@ -321,14 +335,20 @@ constexpr int32_t log2_major(const kt88_plane& q, const view& s) {
   return log2_major(tu > tv ? tu : tv, q.d, s);
 }
 
-// A plane at a signed distance d from a camera, its rows with camera_bits + 33 fraction bits in pixels.
+// A plane at a signed distance d from a camera, from rows of camera_bits on its rays, held as the plane's exact forms.
 struct seen_from { int32_t d, log2_k; };
-constexpr status seen_plane(const wide_row& u, const wide_row& v, const wide_row& w, seen_from from, const view& s, plane& out) {
-  // A ray meets the plane in front of the viewer where -d/W > 0: with d > 0 every sign turns.
-  const auto facing = [&](wide k) { return from.d > 0 ? -k : k; };
-  const homography m{facing(u.x), facing(u.y), facing(u.c), facing(v.x), facing(v.y), facing(v.c), facing(w.x), facing(w.y), facing(w.c)};
+constexpr status seen_plane(seen_from from, const view& s, plane& out) {
+  for (int k = 0; k < 3; ++k) {
+    wide_form& row = exact_form(out, k);
+    put_on_screen(row, s);
+    if (from.d <= 0) continue;
+    // A ray meets the plane in front of the viewer where -d/W > 0: with d > 0 every sign turns.
+    negate(row.x);
+    negate(row.y);
+    negate(row.c);
+  }
   int drop = 0;
-  SPANTEX_TRY(normalise(m, {0, 0, s.width_px, s.height_px}, out, drop));
+  SPANTEX_TRY(normalise({0, 0, s.width_px, s.height_px}, out, drop));
   // The plane's W carries camera_bits + 33 + 1 - drop fraction bits.
   out.major_log2 = from.log2_k + 2 * ((camera_bits + 34 - drop) << 16);
   out.minor_log2 = minor_log2_of(out);
@@ -337,14 +357,14 @@ constexpr status seen_plane(const wide_row& u, const wide_row& v, const wide_row
 
 }  // namespace detail
 
-// Errors: degenerate (d = 0, or nothing in front of the viewer), bad_size.
+// Errors: degenerate (d = 0, or nothing in front of the viewer), bad_size; `out` is undefined then.
 constexpr status make_plane(const kt88_plane& q, const view& s, plane& out) {
   if (q.d == 0) return status::degenerate;
   const auto normal = [](int32_t n) { return shift_left(wide(n), detail::camera_bits - 30); };
-  const detail::wide_row u = detail::on_screen(detail::numerator(q, q.axis_u, q.u0), s);
-  const detail::wide_row v = detail::on_screen(detail::numerator(q, q.axis_v, q.v0), s);
-  const detail::wide_row w = detail::on_screen({normal(q.normal.x), normal(q.normal.y), normal(q.normal.z)}, s);
-  return detail::seen_plane(u, v, w, {q.d, detail::log2_major(q, s)}, s, out);
+  detail::set_numerator(out.exact_u, q, q.axis_u, q.u0);
+  detail::set_numerator(out.exact_v, q, q.axis_v, q.v0);
+  out.exact_w = {normal(q.normal.x), normal(q.normal.y), normal(q.normal.z)};
+  return detail::seen_plane({q.d, detail::log2_major(q, s)}, s, out);
 }
 
 }  // namespace spantex
