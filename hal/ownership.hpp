@@ -45,8 +45,6 @@ struct violation {
 template <int Kept>
 class half_ownership {
  public:
-  static constexpr int kept_violations = Kept;
-
   constexpr status may_load(half h, operation what, cycle now) { return noted(h, what, lives_[int(h)].may_load(), now); }
   constexpr status start(half h, cycle now) { return noted(h, operation::start, lives_[int(h)].start(), now); }
   constexpr status take(half h, cycle now) { return noted(h, operation::take, lives_[int(h)].take(), now); }
@@ -78,7 +76,7 @@ class half_ownership {
   constexpr interval computing(half h) const { return computing_[int(h)]; }
 
   constexpr uint64_t violation_count() const { return count_; }
-  // The first kept_violations of them.
+  // The first `Kept` of them.
   constexpr const violation& at(int k) const { return kept_[k]; }
 
  private:

@@ -103,12 +103,6 @@ constexpr bool operator>(fixed<Sa, Ia, Fa> a, fixed<Sb, Ib, Fb> b) { return b < 
 template <bool Sa, int Ia, int Fa, bool Sb, int Ib, int Fb>
 constexpr bool operator==(fixed<Sa, Ia, Fa> a, fixed<Sb, Ib, Fb> b) { return (a - b).raw() == 0; }
 
-// The same number with its point moved: costs nothing at run time. value * 2^N.
-template <int N, bool S, int I, int F>
-constexpr fixed<S, I + N, F - N> times_power_of_two(fixed<S, I, F> x) {
-  return fixed<S, I + N, F - N>::from_raw(x.raw());
-}
-
 // --- named losses -------------------------------------------------------------------------------------
 
 // Drops fraction bits towards minus infinity.
@@ -129,17 +123,6 @@ constexpr fixed<S, I + 1, NewF> round_to(fixed<S, I, F> x) {
     return fixed<S, I + 1, NewF>::from_raw(
         rep((wide.raw() + (typename fixed<S, I + 1, F>::rep(1) << (F - NewF - 1))) >> (F - NewF)));
   }
-}
-
-// Keeps the format's scale but clears all but the upper `bits` fraction bits, rounded: a stage whose word
-// length is known only at run time (the simulator) does what a narrower format does at compile time.
-template <bool S, int I, int F>
-constexpr fixed<S, I + 1, F> quantise(fixed<S, I, F> x, int bits, rounding mode = rounding::nearest) {
-  const fixed<S, I + 1, F> wide = x;
-  const int drop = F - bits;
-  return drop <= 0 ? wide
-                   : fixed<S, I + 1, F>::from_raw(shift_right(wide.raw(), drop, mode) *
-                                                  (typename fixed<S, I + 1, F>::rep(1) << drop));
 }
 
 // To the nearest end of the target's range.

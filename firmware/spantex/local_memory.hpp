@@ -60,11 +60,6 @@ class local_memory {
   static constexpr int word_count = bits / 64;
   static constexpr int coarse_first_word = fine_side * fine_side / 4 * 2;
 
-  static constexpr int word_address(bool coarse, int column, int row, int pair) {
-    const int blocks = (coarse ? coarse_side : fine_side) / 2;
-    return (coarse ? coarse_first_word : 0) + (row * blocks + column) * 2 + pair;
-  }
-
   // Errors: bad_address.
   constexpr status load(int first, const uint64_t* words, int count) {
     if (first < 0 || count < 0 || first > word_count || count > word_count - first) return status::bad_address;

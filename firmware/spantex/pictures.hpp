@@ -379,10 +379,10 @@ SPANTEX_FRAME_APART constexpr void hold_floor(const looking_camera& camera, cons
   const ground g{map.height, map.texels_per_unit * sign};
   const linear_form &x = out.u, &y = out.v, &z = out.w;
   for (int axis = 0; axis < 3; ++axis) {  // right, up, ahead
-    const auto on_axis = [axis](const linear_form& f) { return axis == 0 ? f.c : axis == 1 ? f.y : f.x; };
-    const int64_t down = on_axis(y);
-    set_ground_numerator(coefficient(out.exact_u, axis), g, map.x, on_axis(x), down);
-    set_ground_numerator(coefficient(out.exact_v, axis), g, map.z, on_axis(z), down);
+    const auto part = [axis](const linear_form& f) { return axis == 0 ? f.c : axis == 1 ? f.y : f.x; };
+    const int64_t down = part(y);
+    set_ground_numerator(coefficient(out.exact_u, axis), g, map.x, part(x), down);
+    set_ground_numerator(coefficient(out.exact_v, axis), g, map.z, part(z), down);
     coefficient(out.exact_w, axis) = wide(sign * down);
   }
   for (int k = 0; k < 3; ++k) turn_to_rays(camera, exact_form(out, k));

@@ -100,7 +100,7 @@ typedef enum spantex_filter {
 typedef struct spantex_point { int32_t x, y; } spantex_point;             /* 1/256 pixel */
 typedef struct spantex_texel_point { int32_t u, v; } spantex_texel_point; /* s15.16 */
 
-/* All: BAD_POINTER, OUT_OF_RANGE (filter, or one that was left out of the build), BAD_LEVELS; and as listed. */
+/* All: BAD_POINTER, OUT_OF_RANGE (filter, or one that was left out of the build), BAD_LEVELS, BAD_SIZE (a screen that is empty or too large); and as listed. */
 
 /* u = (a x + b y + c)/(g x + h y + i), v = (d x + e y + f)/(...), x and y in pixels, u and v in texels; in front where the divisor is positive. Errors:
  * DEGENERATE. */

@@ -24,7 +24,6 @@ static_assert(is_format<decltype(s<2, 8>{} * s<3, 4>{}), true, 6, 12>);
 static_assert(is_format<decltype(floor_to<4>(s<3, 8>{})), true, 3, 4>);
 static_assert(is_format<decltype(round_to<4>(s<3, 8>{})), true, 4, 4>);
 static_assert(is_format<decltype(round_to<4>(u<3, 8>{})), false, 4, 4>);
-static_assert(is_format<decltype(times_power_of_two<3>(s<3, 8>{})), true, 6, 5>);
 static_assert(is_format<decltype(constant<-5>()), true, 3, 0>);
 static_assert(is_format<decltype(constant<255>()), false, 8, 0>);
 static_assert(sizeof(s<15, 16>) == 4 && sizeof(u<16, 16>) == 4 && sizeof(s<16, 16>) == 8 && sizeof(u<32, 32>) == 8);
@@ -169,15 +168,6 @@ SPANTEX_CASE(widening_keeps_the_value) {
   for_all<u<3, 4>>([](u<3, 4> x) { ASSERT_EQUAL((s<3, 9>(x)).raw(), big(x.raw()) * 32); });
 }
 
-SPANTEX_CASE(quantise_keeps_the_scale_and_rounds_as_asked) {
-  for (const rounding mode : {rounding::floor, rounding::nearest, rounding::even})
-    for (int bits = 0; bits <= 8; ++bits)
-      for_all<s<3, 7>>([&](s<3, 7> x) {
-        const int drop = max_of(0, 7 - bits);
-        ASSERT_EQUAL(quantise(x, bits, mode).raw(), nearest_by_definition(x.raw(), drop, mode) * power(drop));
-      });
-}
-
 SPANTEX_CASE(shifts_round_as_asked) {
   random_source random(1);
   for (const rounding mode : {rounding::floor, rounding::nearest, rounding::even})
@@ -210,7 +200,6 @@ int main() {
       cmocka_unit_test(operators_are_exact_for_every_pair_of_values),
       cmocka_unit_test(extremes_of_wide_formats_do_not_overflow),
       cmocka_unit_test(widening_keeps_the_value),
-      cmocka_unit_test(quantise_keeps_the_scale_and_rounds_as_asked),
       cmocka_unit_test(shifts_round_as_asked),
       cmocka_unit_test(constants_hold_their_value),
   };
