@@ -23,10 +23,10 @@ bool at_every(const corners& c, const Holds& holds) {
 }
 
 // How far a position may lie from a texel's centre, 2^-16 texel, so that every weight is 0: less than half a weight's step. The rounding to coordinate_bits
-// takes half a unit of that, what comes before it 2^-15 texel (ACCURACY 4): 2^-14 with both.
+// takes half a unit of that; what comes before it (ACCURACY 4, E = 3: 2^-16 texel and less) and as much again as both is spared.
 constexpr const profile& by = profiles::standard;
 constexpr int32_t most_off_centre = (1 << (15 - by.subtexel_bits)) - (1 << (16 - by.coordinate_bits)) - 4;
-static_assert(by.coordinate_bits >= 14 && by.offset_bits >= 21 && by.position_rounding == rounding::nearest);
+static_assert(by.coordinate_bits >= 14 && by.offset_bits >= 23 && by.position_rounding == rounding::nearest);
 // Over a span's width positions then change by a texel a pixel, give or take 2^-9: a level of detail is this bias, below 0, and a row has one sample.
 static_assert(by.mip_bias <= -1 && by.sample_slack >= 1);
 
@@ -45,32 +45,27 @@ bool shift_of(const plane& p, const corners& c, int32_t& u, int32_t& v) {
   return at_every(c, [&](int32_t x, int32_t y) { return centred(p.u_at(x, y), x + 2 * u) && centred(p.v_at(x, y), y + 2 * v); });
 }
 
-// Level 0 in rows, `length` texels to a period or, clamped, to the map's end.
+// Level 0 in rows, `length` texels to a period or, clamped, to the map's end: mirrored axes are stored to their period.
 struct rows_of_map {
   const rgba8* origin;
   int32_t stride, length_u, length_v;
-  bool clamped_u, clamped_v;
+  wrap wrap_u, wrap_v;
 
   explicit rows_of_map(const planar_map& map)
       : origin(map.levels_in_rows().texels() + map.levels_in_rows().value(row_levels::origin, 0)), stride(map.levels_in_rows().value(row_levels::step, 0) >> 16),
         length_u(map.wrap_u() == wrap::mirror ? 2 * map.width() : map.width()), length_v(map.wrap_v() == wrap::mirror ? 2 * map.height() : map.height()),
-        clamped_u(map.wrap_u() == wrap::clamp), clamped_v(map.wrap_v() == wrap::clamp) {}
+        wrap_u(map.wrap_u() == wrap::mirror ? wrap::repeat : map.wrap_u()), wrap_v(map.wrap_v() == wrap::mirror ? wrap::repeat : map.wrap_v()) {}
 
-  static int32_t wrapped(int32_t x, int32_t length, bool clamped) {
-    if (clamped) return clamp_to(x, 0, length - 1);
-    const int32_t rest = x % length;
-    return rest < 0 ? rest + length : rest;
-  }
   void copy(int32_t u, int32_t v, int32_t count, rgba8* out) const {
-    const rgba8* const row = origin + int64_t(wrapped(v, length_v, clamped_v)) * stride;
-    if (clamped_u) {
+    const rgba8* const row = origin + int64_t(wrapped(wrap_v, v, length_v)) * stride;
+    if (wrap_u == wrap::clamp) {
       const int32_t before = clamp_to(-u, 0, count), within = clamp_to(length_u - max_of(u, 0), 0, count - before);
       std::fill_n(out, before, row[0]);
       std::copy_n(row + u + before, within, out + before);
       std::fill_n(out + before + within, count - before - within, row[length_u - 1]);
       return;
     }
-    for (int32_t at = wrapped(u, length_u, false); count > 0; at = 0) {
+    for (int32_t at = wrapped(wrap_u, u, length_u); count > 0; at = 0) {
       const int32_t n = min_of(count, length_u - at);
       memcpy(out, row + at, size_t(n) * sizeof *out);
       out += n;
