@@ -19,7 +19,7 @@ COMPILERS = {
 }
 
 ROWS = [("arm-none-eabi-g++", "-mthumb", "-mcpu=cortex-m23"), ("clang++", "--target=thumbv6m-none-eabi", "-mcpu=cortex-m0plus"),
-        ("clang++", "--target=thumbv7em-none-eabi", "-mcpu=cortex-m4")]
+        ("clang++", "--target=thumbv7em-none-eabi", "-mcpu=cortex-m4"), ("arm-linux-gnueabihf-g++", "-march=armv7-a+fp")]
 
 
 def headers():
@@ -56,7 +56,7 @@ def main():
         done = subprocess.run([compiler, *core, "-O2", "-std=c++20", *FREESTANDING, "-I.", "-Ifirmware", "-c", "firmware/apps/rows_counts.cpp", "-o", "/dev/null"],
                               capture_output=True, text=True, cwd=ROOT)
         failed += done.returncode != 0
-        print(f"{compiler} {core[1]}: rows", *(done.stderr.splitlines()[:6] if done.returncode else []), sep="\n  " if done.returncode else " ")
+        print(f"{compiler} {core[-1]}: rows", *(done.stderr.splitlines()[:6] if done.returncode else []), sep="\n  " if done.returncode else " ")
     return 1 if failed else 0
 
 
