@@ -370,6 +370,8 @@ CASES = [
     # bench
     (["bench", "--scenes", "tilted,nowhere"], ["--scenes", "nowhere", "grazing"]),
     (["bench", "--scenes", "tilted,tilted"], ["--scenes", "twice"]),
+    (["bench", "--matrix", "1,0,0,2,0,0,0,0,1"], ["--matrix", "singular"]),
+    (["bench", "--matrix", "1,0,0"], ["--matrix"]),
     (["bench", "--filters", "best"], ["best", "trilinear"]),
     (["bench", "--filters", "contour"], ["--filters", "contour"]),
     (["bench", "--profiles", "great"], ["great", "seed"]),

@@ -411,6 +411,13 @@ def test_bench(folder):
     # The same filter of the same plane: nearly our picture (null: ours exactly), but for pixman, whose coordinates are coarse.
     others = [r for r in peers if r["drawer"] != "pixman" and r["psnr_ours_db"] is not None]
     assert all(r["psnr_ours_db"] > 30 for r in others), others
+    # A plane of one's own, alone and after named ones; a shift by whole texels is everybody's same picture.
+    for named in ([], ["--scenes", "tilted"]):
+        done("bench", *named, "--matrix", "1,0,5,0,1,-3,0,0,1", "--filters", "nearest,bilinear", "--profiles", "default", "--size", size, "--repeat", "1", "--json", "m.json", cwd=folder)
+        rows = json.loads((folder / "m.json").read_text())["rows"]
+        assert list(dict.fromkeys(r["scene"] for r in rows)) == [*named[1:], "matrix"], named
+        shifted = [r for r in rows if r["scene"] == "matrix"]
+        assert {r["drawer"] for r in shifted} >= {"spantex"} and len({r["rms_error"] for r in shifted}) == 1, shifted
 
 
 def test_progress_only_on_a_terminal(folder):

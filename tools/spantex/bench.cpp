@@ -25,7 +25,7 @@ namespace {
 using json = nlohmann::ordered_json;
 
 struct bench_options {
-  std::vector<std::string> scenes{"all"}, filters{"nearest", "bilinear", "three-point", "trilinear", "aniso"}, profiles{"all"}, kernels{"all"}, peers{"all"};
+  std::vector<std::string> scenes, filters{"nearest", "bilinear", "three-point", "trilinear", "aniso"}, profiles{"all"}, kernels{"all"}, peers{"all"};
   std::string matrix, size = "640x480", out;
   bench_maps maps;
   int rounds = 9;
@@ -131,9 +131,8 @@ void print_growth(const std::vector<growth_curve>& curves) {
 
 std::vector<sim::scene> scenes_of(const bench_options& o) {
   const sim::screen_size size = parse_size(o.size);
-  const bool all = o.scenes == std::vector<std::string>{"all"};
-  std::vector<std::string> names = o.scenes;
-  if (all) names = o.matrix.empty() ? bench_scene_names() : std::vector<std::string>{};
+  const bool all = o.scenes.empty() ? o.matrix.empty() : o.scenes == std::vector<std::string>{"all"};
+  const std::vector<std::string> names = all ? bench_scene_names() : o.scenes;
   if (std::set<std::string>(names.begin(), names.end()).size() != names.size()) throw sim::input_error("--scenes: one is named twice");
   std::vector<sim::scene> scenes;
   for (const std::string& name : names) scenes.push_back(make_bench_scene(name, size, o.maps));
@@ -180,12 +179,12 @@ void run(const bench_options& o) {
 void add_bench_command(CLI::App& app) {
   const auto o = std::make_shared<bench_options>();
   CLI::App& sub = *app.add_subcommand("bench", "time against error: scenes, filters, profiles, kernels, and other programs' renderers side by side");
-  sub.add_option("--scenes", o->scenes, joined(bench_scene_names()) + "; separated by commas, or all")->delimiter(',')->capture_default_str();
+  sub.add_option("--scenes", o->scenes, joined(bench_scene_names()) + "; separated by commas, or all (which it is without --matrix)")->delimiter(',');
   sub.add_option("--filters", o->filters, list_of(sim::filter_names) + "; or all")->delimiter(',')->capture_default_str();
   sub.add_option("--profiles", o->profiles, list_of(sim::profile_names) + "; or all")->delimiter(',')->capture_default_str();
   sub.add_option("--kernels", o->kernels, "scalar and the host's kernels, or all; one that cannot draw a scene or filter has no row there")->delimiter(',')->capture_default_str();
   sub.add_option("--peers", o->peers, "files of the folder peers beside this command, or all, or none")->delimiter(',')->capture_default_str();
-  sub.add_option("--matrix", o->matrix, "a plane of your own, as of `spantex plane`, after the scenes that --scenes names");
+  sub.add_option("--matrix", o->matrix, "a plane of your own, as of `spantex plane`, named matrix; after the scenes of --scenes, where they are named");
   sub.add_option("--texture", o->maps.texture, "map of the planes instead of a built-in one");
   sub.add_option("--models", o->maps.models, "folder of assimp's test models")->capture_default_str();
   sub.add_option("--size", o->size, "picture size, WxH")->capture_default_str();
