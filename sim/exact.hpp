@@ -89,8 +89,8 @@ inline long double exact_level(level_formula f, const plane& p, int32_t hx, int3
   return exact_level(p, hx, hy);
 }
 
-// What SPEC section 6 makes of a formula's level, before it is clamped: `bias` comes in over the first level.
-inline long double finer_level(long double level, int bias) { return level + bias / 16.0L * std::fmin(std::fmax(level, 0.0L), 1.0L); }
+// What SPEC section 6 makes of a formula's level, before it is clamped.
+inline long double finer_level(long double level, int bias) { return std::fmax(level + bias / 16.0L, std::fmin(level, -5 * bias / 128.0L)); }
 inline long double biased_level(const profile& q, long double level) { return finer_level(level, q.mip_bias) + q.level_bias / 16.0L; }
 
 }  // namespace spantex::sim

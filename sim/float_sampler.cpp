@@ -59,7 +59,7 @@ colour sample(const texture_view& t, filter kind, int mip_bias, const float_matr
   if (kind == filter::nearest) return texel(t, 0, int(floorf(u)), int(floorf(v)));
   if (!uses_levels(kind)) return on_level(t, 0, u, v, three);
   const float rho = level_of_detail(m, u, v, w);
-  const float level = std::clamp(rho + float(mip_bias) / 16 * std::clamp(rho, 0.0f, 1.0f), 0.0f, float(t.last_level()));
+  const float level = std::clamp(std::max(rho + float(mip_bias) / 16, std::min(rho, -5 * float(mip_bias) / 128)), 0.0f, float(t.last_level()));
   if (kind == filter::mip_bilinear) return on_level(t, std::max(0, int(ceilf(level + 0.5f)) - 1), u, v, false);
   const int fine = int(level);
   if (fine >= t.last_level()) return on_level(t, fine, u, v, three);

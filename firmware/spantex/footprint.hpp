@@ -179,7 +179,7 @@ constexpr footprint_shape shape_of(const Prof& prof, const span_coefficients& c,
   const int32_t bias = c.kind == filter::aniso ? q.sample_bias * (1 << 12) : 0;
   // Where the minor axis is magnified samples need not be closer than its texels: major - bias.
   const int32_t ratio = clamp_to(min_of(2 * length - area - log2_w, major - bias), 0, log2_16(uint64_t(q.max_samples)));
-  const int32_t minor = major - ratio;  // level 0 is no mean over texels, so not too wide yet: the bias comes in over the first level
+  const int32_t minor = major - ratio;  // level 0 is no mean over texels, so not too wide yet: finer() comes in over the first level
   const int32_t detail_16 = finer(minor, c.kind == filter::aniso ? q.sample_bias : 0) + q.level_bias * (1 << 12);
   const int32_t level = clamp_to(shift_right(detail_16, 16 - q.level_bits), 0, int32_t(c.last_level) << q.level_bits);
   if (c.kind == filter::squares) {

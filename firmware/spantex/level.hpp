@@ -119,9 +119,9 @@ constexpr int32_t power_log2_w(const Prof& prof, const span_coefficients& c, int
   return power * (log2_16(w_of(prof, e)) - (prof.get().reciprocal_bits << 16));
 }
 
-// Finer by `bias` sixteenths of a level, all of it from level 1 on: a bilinear sample is wider than a texel, but level 0 is no mean yet
-// (docs/decisions/0006).
-constexpr int32_t finer(int32_t level_16, int bias) { return level_16 + shift_right(bias * clamp_to(level_16, 0, 1 << 16), 4); }
+// Finer by `bias` sixteenths of a level, -16 to 0, but not below five eighths of -bias: a bilinear sample is wider than a texel, but
+// level 0 is no mean yet (docs/decisions/0006).
+constexpr int32_t finer(int32_t level_16, int bias) { return max_of(level_16 + bias * (1 << 12), min_of(level_16, -5 * bias * (1 << 9))); }
 
 // The level of detail of a pixel before bias and clamp, s.16: negative where the map is magnified.
 template <class Prof>

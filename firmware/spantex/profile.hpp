@@ -31,7 +31,7 @@ struct profile {
   level_scope scope = level_scope::pixel;
   level_formula formula = level_formula::jacobian;
   int level_bias = 0;                               // s3.4: added to the level of detail, in 1/16 level
-  int mip_bias = 0;                                 // s3.4: of filters with one sample a pixel, 1/16 level (-16 to 0), in full from level 1 on
+  int mip_bias = 0;                                 // s3.4: of filters with one sample a pixel, 1/16 level (-16 to 0): level.hpp, finer()
   int coordinate_bits = 16;                         // fraction bits of u, v in texels of level 0 (at most 16)
   int offset_bits = 31;                             // magnitude bits of the span-relative numerators (at most 31)
   int reciprocal_bits = 30;                         // fraction bits of 1/w and of the slopes g, h (12 to 30)

@@ -23,12 +23,13 @@ bool at_every(const corners& c, const Holds& holds) {
 }
 
 // How far a position may lie from a texel's centre, 2^-16 texel, so that every weight is 0: less than half a weight's step. The rounding to coordinate_bits
-// takes half a unit of that; what comes before it (ACCURACY 4, E = 3: 2^-16 texel and less) and as much again as both is spared.
+// takes half a unit of that, what comes before it (ACCURACY 4, E = 3) 2^-16 texel and less: three quarters of it spare more.
+// Then from a span's first pixel to its last, seven, positions change by a texel a pixel give or take 2/7 of it, levels of detail by 1.45 times that, which
+// rounds to 0, to 2^-10 (with log2's error, ACCURACY 4) and to level_bits after that; and a row has one sample.
 constexpr const profile& by = profiles::standard;
-constexpr int32_t most_off_centre = (1 << (15 - by.subtexel_bits)) - (1 << (16 - by.coordinate_bits)) - 4;
+constexpr int32_t most_off_centre = 3 << (13 - by.subtexel_bits);
 static_assert(by.coordinate_bits >= 14 && by.offset_bits >= 23 && by.position_rounding == rounding::nearest);
-// Over a span's width positions then change by a texel a pixel, give or take 2^-9: a level of detail is this bias, below 0, and a row has one sample.
-static_assert(by.mip_bias <= -1 && by.sample_slack >= 1);
+static_assert(most_off_centre * 2 * 145 / 700 + 8 < 96 && by.level_bits <= 8 && by.sample_slack >= 1);  // 96: what two roundings to nearest make 1/256 of, 2^-16
 
 // Steps of a texel a pixel, upright; W alike everywhere, so that spans are affine.
 bool shift_of(const plane& p, const corners& c, int32_t& u, int32_t& v) {

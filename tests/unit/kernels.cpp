@@ -242,13 +242,27 @@ SPANTEX_CASE(whole_texels_are_copied) {
             draw_all(upright_plane(u, v, 1 + more, 1, whole), map, kind, area, 203, 101);
             draw_all(upright_plane(u, v, 1, 1 + 2 * more, whole), map, kind, area, 203, 101);
           }
-          const plane exact = upright_plane(u + 0.0037, v - 0.0037, 1, 1, whole);
+          const plane exact = upright_plane(u + 0.0029, v - 0.0029, 1, 1, whole);
           draw_all(exact, map, kind, area, 203, 101);
           draw_by_shortcut(exact, map, kind, area);
         }
     }
   const ready_map map(random_map(64, 64), wrap::mirror);
   for (const double end : {32760.0, 32600.0, 32000.0, -32760.0, -32700.0}) draw_all(upright_plane(end, 0, 1, 1, whole), map, filter::bilinear, whole, 203, 101);
+}
+
+// The smallest area lets steps differ most from a texel a pixel: a level of detail above 0 is next.
+SPANTEX_CASE(whole_texels_of_one_span_are_copied) {
+  constexpr rectangle one_span{8, 16, 16, 24}, whole{0, 0, 24, 24};
+  constexpr double middle_x = 12, middle_y = 20;
+  const ready_map map(random_map(64, 32), wrap::repeat);
+  for (const filter kind : filters)
+    for (int k = -40; k <= 40; ++k) {
+      const double more = k * 0.00004;
+      draw_all(upright_plane(-middle_x * more, 0, 1 + more, 1, whole), map, kind, one_span, 24, 24);
+      draw_all(upright_plane(0, -middle_y * more, 1, 1 + more, whole), map, kind, one_span, 24, 24);
+      draw_all(upright_plane(-middle_x * more, -middle_y * more, 1 + more, 1 + more, whole), map, kind, one_span, 24, 24);
+    }
 }
 
 // A rectangle as far from the viewer as a texel is a pixel, its sides between pixels.
@@ -363,6 +377,7 @@ int main() {
       cmocka_unit_test(reciprocals_just_above_one),
       cmocka_unit_test(nothing_is_written_outside_the_area),
       cmocka_unit_test(whole_texels_are_copied),
+      cmocka_unit_test(whole_texels_of_one_span_are_copied),
       cmocka_unit_test(polygons_of_whole_texels_are_copied),
       cmocka_unit_test(maps_of_one_colour_are_filled),
       cmocka_unit_test(polygons_with_depth_are_the_same),

@@ -164,11 +164,16 @@ SPANTEX_CASE(the_bias_is_added_in_sixteenths) {
 }
 
 SPANTEX_CASE(the_mip_bias_comes_in_over_the_first_level) {
+  constexpr int32_t one = 1 << 16;
   assert_int_equal(finer(-1, -8), -1);
   assert_int_equal(finer(0, -8), 0);
-  assert_int_equal(finer(1 << 15, -8), (1 << 15) - (1 << 14));
-  assert_int_equal(finer(1 << 16, -8), 1 << 15);
-  assert_int_equal(finer(5 << 16, -8), (5 << 16) - (1 << 15));
+  assert_int_equal(finer(one * 5 / 16, -8), one * 5 / 16);
+  assert_int_equal(finer(one * 5 / 8, -8), one * 5 / 16);
+  assert_int_equal(finer(one * 13 / 16, -8), one * 5 / 16);
+  assert_int_equal(finer(one, -8), one / 2);
+  assert_int_equal(finer(5 * one, -8), 5 * one - one / 2);
+  assert_int_equal(finer(one, -16), one * 5 / 8);
+  for (const int32_t level : {-one, 0, 1, one, 7 * one}) assert_int_equal(finer(level, 0), level);
   for (const int bias : {-16, -8, -3, 0}) {
     run_time_profile prof{profiles::exact};
     prof.value.mip_bias = bias;

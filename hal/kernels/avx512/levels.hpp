@@ -22,9 +22,10 @@ SPANTEX_INLINE v16 lengths_of(const batch& b, int k) {
                    _mm512_sub_epi64(set(b.v_y[k]), along_v), b.exponent[k]);
 }
 
-// finer() with a bias of -8 takes off half of what lies between 0 and 1: max((x + 1) >> 1, x - 2^15); then rounded to 2^-8, which is folded in, and clamped.
+// To 2^-8, then finer() with a bias of -8: its limits are whole numbers of those; clamped.
 SPANTEX_INLINE v16 detail_of(v16 x, v16 most) {
-  const v16 detail = _mm512_max_epi32(_mm512_srai_epi32(_mm512_add_epi32(x, of32<257>()), 9), _mm512_srai_epi32(_mm512_add_epi32(x, of32<128 - (1 << 15)>()), 8));
+  const v16 level = _mm512_srai_epi32(_mm512_add_epi32(x, of32<128>()), 8);
+  const v16 detail = _mm512_max_epi32(_mm512_min_epi32(level, of32<80>()), _mm512_sub_epi32(level, of32<128>()));
   return _mm512_max_epi32(_mm512_min_epi32(detail, most), _mm512_setzero_si512());
 }
 

@@ -9,11 +9,11 @@ typedef int16_t level_number;  // of a pixel, in memory
 SPANTEX_INLINE v get(const level_number* from) { return v(vmovl_s16(vld1_s16(from))); }
 SPANTEX_INLINE void put(level_number* to, v x) { vst1_s16(to, vmovn_s32(int32x4_t(x))); }
 
-// put_details() of positions.hpp: where half of a level beyond 2^16 saturates, it is not the larger one; neither is below 0.
+// put_details() of positions.hpp; nothing is below 0, which is where the least level is.
 SPANTEX_INLINE void put_details(level_number* to, v upper, v lower, int32_t most) {
   const int32x4_t a = int32x4_t(upper), b = int32x4_t(lower);
-  const uint16x8_t half = vqrshrun_high_n_s32(vqrshrun_n_s32(a, 1), b, 1), whole = vqrshrun_high_n_s32(vqrshrun_n_s32(a, 8), b, 8);
-  const uint16x8_t level = vmaxq_u16(vrshrq_n_u16(half, 8), vqsubq_u16(whole, vdupq_n_u16(128)));
+  const uint16x8_t whole = vqrshrun_high_n_s32(vqrshrun_n_s32(a, 8), b, 8);
+  const uint16x8_t level = vmaxq_u16(vminq_u16(whole, vdupq_n_u16(80)), vqsubq_u16(whole, vdupq_n_u16(128)));
   vst1q_s16(to, int16x8_t(vminq_u16(level, vdupq_n_u16(uint16_t(most)))));
 }
 

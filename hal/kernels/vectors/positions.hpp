@@ -18,9 +18,10 @@ SPANTEX_INLINE v series_of(v e, int slope_log2) {
   return r;
 }
 
-// finer() with a bias of -8, which takes off half of what lies between 0 and 1; then to 2^-8, clamped.
-SPANTEX_INLINE v detail_of(v level, int32_t most) {
-  return least(largest(rounded_shift(largest(rounded_shift(level, 1), level - (1 << 15)), 8), set(0)), set(most));
+// To 2^-8, then finer() with a bias of -8: its limits are whole numbers of those; clamped.
+SPANTEX_INLINE v detail_of(v level_16, int32_t most) {
+  const v level = rounded_shift(level_16, 8);
+  return least(largest(largest(least(level, set(80)), level - 128), set(0)), set(most));
 }
 
 // Of two rows, one below the other.
