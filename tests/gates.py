@@ -105,6 +105,8 @@ GATES = [
     ("a vector kernel's rows as long as they like", "hal/kernels/vectors/aniso.hpp", "limit - reach_of(c)", "8192", "kernels", "rows_beyond*", KERNELS),
     ("a vector kernel's texels before the division", "hal/kernels/vectors/common.hpp", "extent + (extent >> (-1 - c.slope_log2)) + 1", "extent", "kernels", "texels_after*", KERNELS),
     ("kernels of other flags under one name", "firmware/spantex/rows/packed.hpp", "define SPANTEX_ROWS_KERNELS with_thumb1", "define SPANTEX_ROWS_KERNELS plain", "scripts", "mixed_flags", []),
+    ("AVX-512: levels that are no halves taken for such", "hal/kernels/avx512/levels.hpp", "set32(last)) != 0;", "set32(last)) > 0xFFFF;", "kernels", "levels_that*", KERNELS),
+    ("AVX-512: the last level that is a half taken for the next", "hal/kernels/avx512/levels.hpp", "exact_count() - 1) * (1", "exact_count() - 0) * (1", "kernels", "levels_that*", KERNELS),
     ("copies of texels next to the centre", "hal/kernels/shortcuts.cpp", "2 * most_off_centre * (w >> 16)", "2 * (most_off_centre + 72) * (w >> 16)", "kernels", "whole_texels_are*", KERNELS),
     ("copies of texels on a level", "hal/kernels/shortcuts.cpp", "2 * most_off_centre * (w >> 16)", "2 * (most_off_centre + 48) * (w >> 16)", "kernels", "whole_texels_of*", KERNELS),
     ("copies of what does not stay at the centre", "hal/kernels/shortcuts.cpp", "&& holds(c.x0, c.y1) && holds(c.x1, c.y1)", "", "kernels", "whole_texels*", KERNELS),

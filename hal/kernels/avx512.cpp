@@ -124,6 +124,10 @@ SPANTEX_INLINE void draw_batch_on_levels(const row_work& work, const batch& b, u
       for (v16& level : of[k].level) level = _mm512_setzero_si512();
     else
       levels_of(work, of[k].lengths, b.slope_log2[k], o.e, of[k].level);
+    if (on_unlike_levels<two>(*work.texels, of[k].level)) [[unlikely]] {
+      work.left[b.first + k] = true;
+      spans &= ~(1u << k);
+    }
   });
   next.part(1);
   each(spans, [&](int k) SPANTEX_INLINED { place_span<two>(work, b, k, of[k]); });
@@ -164,7 +168,7 @@ void draw_row(const row_work& work) {
 // What local memory does not hold, and levels whose sides do not halve exactly, are drawn from the map's rows.
 template <filter Kind>
 void draw_row(const row_work& work) {
-  if (uses_levels(Kind) && !work.texels->exact()) return by_rows::draw_any_row(work);
+  if (uses_levels(Kind) && work.texels->levels_in_rows().exact_count() <= 1 && work.last_level > 0) return by_rows::draw_any_row(work);
   by_blocks::draw_row<Kind>(work);
   span_mask rest[max_row_spans];
   int from = work.count, to = 0;

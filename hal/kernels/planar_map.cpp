@@ -75,8 +75,6 @@ void planar_map::add_level(const texture_view& view, int k, size_t start) {
   levels_.rows[k] = repeat_of(wrap_v_, view.height(k));
   levels_.period_u[k] = period(wrap_u_, view.width(k));
   levels_.period_v[k] = period(wrap_v_, view.height(k));
-  constexpr uint32_t whole = uint32_t(1) << 31;
-  exact_ &= view.ratio_u(k) == whole && view.ratio_v(k) == whole;
   steady_ &= (wrap_u_ == wrap::clamp || levels_.columns[k] > 0) && (wrap_v_ == wrap::clamp || levels_.rows[k] > 0);
 }
 

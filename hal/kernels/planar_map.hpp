@@ -37,7 +37,6 @@ class planar_map {
  public:
   explicit planar_map(const texture_view& view, layout of = layout::rows);
   planar_map(planar_map&&) = default;  // and no copy: the blocks are aligned where they are
-  bool exact() const { return exact_; }                   // sides halve exactly from level to level
   bool steady() const { return steady_; }                 // blocks repeat, or are clamped, on every level
   const planar_levels& levels() const { return levels_; }
   const uint8_t* blocks() const { return blocks_.data() + skew_; }  // 64-byte aligned; values are texels ^ 0x80, signed bytes
@@ -64,7 +63,7 @@ class planar_map {
   std::vector<rgba8> rows_;
   row_levels levels_in_rows_;
   byte_planes planes_;
-  bool exact_ = true, steady_ = true, opaque_ = true;
+  bool steady_ = true, opaque_ = true;
   int32_t row_stride_ = 0, rows_down_ = 0, width_, height_;
   wrap wrap_u_, wrap_v_;
   int32_t period_u_, period_v_;

@@ -267,6 +267,7 @@ SPANTEX_INLINE bool draw_aniso(const row_work& work, const batch& b, int k) {
     span.samples[n] = samples_of(ratio);
     largest = _mm512_max_epi32(largest, ratio);
   }
+  if (on_unlike_levels<true>(*work.texels, span.level)) return false;
   const auto some_take = [&](v16 ratio) { return _mm512_cmpge_epi32_mask(largest, ratio) != 0; };
   if (some_take(of32<least_ratio_of(most_samples + 1)>())) return false;
   if (!some_take(of32<least_ratio_of(2)>())) {

@@ -29,6 +29,14 @@ SPANTEX_INLINE v16 detail_of(v16 x, v16 most) {
   return _mm512_max_epi32(_mm512_min_epi32(detail, most), _mm512_setzero_si512());
 }
 
+// Whether some pixel takes from a level whose sides are not level 0's, halved.
+template <bool TwoLevels>
+SPANTEX_INLINE bool on_unlike_levels(const planar_map& map, const v16 (&level)[quads]) {
+  const v16 most = _mm512_max_epi32(_mm512_max_epi32(level[0], level[1]), _mm512_max_epi32(level[2], level[3]));
+  const int32_t last = (map.levels_in_rows().exact_count() - 1) * (1 << q.level_bits) + (TwoLevels ? 0 : 1 << (q.level_bits - 1));  // integer_level()
+  return _mm512_cmpgt_epi32_mask(most, set32(last)) != 0;
+}
+
 // level_at() of the span's pixels, 2^-8.
 SPANTEX_INLINE void levels_of(const row_work& work, v16 lengths, int s, const v16 (&e)[quads], v16 (&level)[quads]) {
   const v16 row = _mm512_setr_epi32(0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3), column = _mm512_setr_epi32(8, 9, 10, 11, 8, 9, 10, 11, 8, 9, 10, 11, 8, 9, 10, 11);
