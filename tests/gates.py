@@ -105,8 +105,6 @@ GATES = [
     ("a vector kernel's rows as long as they like", "hal/kernels/vectors/aniso.hpp", "limit - reach_of(c)", "8192", "kernels", "rows_beyond*", KERNELS),
     ("a vector kernel's texels before the division", "hal/kernels/vectors/common.hpp", "extent + (extent >> (-1 - c.slope_log2)) + 1", "extent", "kernels", "texels_after*", KERNELS),
     ("kernels of other flags under one name", "firmware/spantex/rows/packed.hpp", "define SPANTEX_ROWS_KERNELS with_thumb1", "define SPANTEX_ROWS_KERNELS plain", "scripts", "mixed_flags", []),
-    ("AVX-512: levels that are no halves taken for such", "hal/kernels/avx512/levels.hpp", "set32(last)) != 0;", "set32(last)) > 0xFFFF;", "kernels", "levels_that*", KERNELS),
-    ("AVX-512: the last level that is a half taken for the next", "hal/kernels/avx512/levels.hpp", "exact_count() - 1) * (1", "exact_count() - 0) * (1", "kernels", "levels_that*", KERNELS),
     ("copies of texels next to the centre", "hal/kernels/shortcuts.cpp", "2 * most_off_centre * (w >> 16)", "2 * (most_off_centre + 72) * (w >> 16)", "kernels", "whole_texels_are*", KERNELS),
     ("copies of texels on a level", "hal/kernels/shortcuts.cpp", "2 * most_off_centre * (w >> 16)", "2 * (most_off_centre + 48) * (w >> 16)", "kernels", "whole_texels_of*", KERNELS),
     ("copies of what does not stay at the centre", "hal/kernels/shortcuts.cpp", "&& holds(c.x0, c.y1) && holds(c.x1, c.y1)", "", "kernels", "whole_texels*", KERNELS),
@@ -452,6 +450,11 @@ GATES = [
 # Where the processor has what the kernel takes.
 if "avx512_vbmi" in pathlib.Path("/proc/cpuinfo").read_text():
     GATES += [
+        ("AVX-512: levels that are no halves taken for such", "hal/kernels/avx512/levels.hpp", "set32(last)) != 0;", "set32(last)) > 0xFFFF;", "kernels", "levels_that*", KERNELS),
+        ("AVX-512: the last level that is a half taken for the next", "hal/kernels/avx512/levels.hpp", "exact_count() - 1) * (1", "exact_count() - 0) * (1", "kernels", "levels_that*", KERNELS),
+        ("AVX-512: axes that do halve exactly scaled twice", "hal/kernels/avx512/by_level.hpp", "_mm512_cmpeq_epi32_mask(ratio, of32<1 << 30>())", "_mm512_cmpneq_epi32_mask(ratio, of32<1 << 30>())", "kernels", "levels_that*", KERNELS),
+        ("AVX-512: scaled positions rounded down", "hal/kernels/avx512/by_level.hpp", "put(s.from, _mm512_add_epi32(from, half));", "put(s.from, from);", "kernels", "levels_that*", KERNELS),
+        ("AVX-512: rows on several scaled levels on one", "hal/kernels/avx512/aniso.hpp", "set32(s.first_level[n])) != 0) return false;\n  const colouring", "set32(s.first_level[n])) > 0xFFFF) return false;\n  const colouring", "kernels", "minified*", KERNELS),
         ("AVX-512: quads on two levels take from one", "hal/kernels/avx512/by_level.hpp", "fine[m] = _mm512_mask_mov_epi32(fine[m], second, coarse[m]);", "(void)second;", "kernels", "random_planes*", KERNELS),
         ("AVX-512: spans magnified that are not", "hal/kernels/avx512/columns.hpp", "_mm512_sub_epi64(s.exponent, set(2))", "_mm512_sub_epi64(s.exponent, set(1))", "kernels", "random_planes*", KERNELS),
         ("AVX-512: spread quads from their section", "hal/kernels/avx512/by_level.hpp", "s.fit = s.fine.fit;", "s.fit = 0xF;", "kernels", "random_planes*", KERNELS),

@@ -111,6 +111,7 @@ template <filter Kind, int Channels>
 SPANTEX_INLINE void draw_batch_on_levels(const row_work& work, const batch& b, uint32_t spans, next_batch<Kind>& next) {
   constexpr bool two = Kind == filter::trilinear;
   level_span of[batch_size];
+  uint32_t scaled = 0;
   const auto each = [](uint32_t some, auto&& step) SPANTEX_INLINED {
     for (int k = 0; k < batch_size; ++k)
       if (some >> k & 1) step(k);
@@ -124,16 +125,17 @@ SPANTEX_INLINE void draw_batch_on_levels(const row_work& work, const batch& b, u
       for (v16& level : of[k].level) level = _mm512_setzero_si512();
     else
       levels_of(work, of[k].lengths, b.slope_log2[k], o.e, of[k].level);
-    if (on_unlike_levels<two>(*work.texels, of[k].level)) [[unlikely]] {
-      work.left[b.first + k] = true;
-      spans &= ~(1u << k);
-    }
+    scaled |= uint32_t(on_unlike_levels<two>(*work.texels, of[k].level)) << k;
   });
+  spans &= ~scaled;
   next.part(1);
   each(spans, [&](int k) SPANTEX_INLINED { place_span<two>(work, b, k, of[k]); });
   next.part(2);
   each(spans, [&](int k) SPANTEX_INLINED {
     if (!blend_span<two, Channels>(work, b, k, of[k])) work.left[b.first + k] = true;
+  });
+  each(scaled, [&](int k) SPANTEX_INLINED {
+    if (!draw_at_scaled_levels<two, Channels>(work, b, k, of[k])) work.left[b.first + k] = true;
   });
 }
 
@@ -165,10 +167,9 @@ void draw_row(const row_work& work) {
 
 }  // namespace by_blocks
 
-// What local memory does not hold, and levels whose sides do not halve exactly, are drawn from the map's rows.
+// What local memory does not hold is drawn from the map's rows.
 template <filter Kind>
 void draw_row(const row_work& work) {
-  if (uses_levels(Kind) && work.texels->levels_in_rows().exact_count() <= 1 && work.last_level > 0) return by_rows::draw_any_row(work);
   by_blocks::draw_row<Kind>(work);
   span_mask rest[max_row_spans];
   int from = work.count, to = 0;

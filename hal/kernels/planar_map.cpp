@@ -75,6 +75,9 @@ void planar_map::add_level(const texture_view& view, int k, size_t start) {
   levels_.rows[k] = repeat_of(wrap_v_, view.height(k));
   levels_.period_u[k] = period(wrap_u_, view.width(k));
   levels_.period_v[k] = period(wrap_v_, view.height(k));
+  const auto ratio = [](uint32_t r) { return int32_t(r >> 31 != 0 ? r >> 1 : r); };
+  levels_.ratio_u[k] = ratio(view.ratio_u(k));
+  levels_.ratio_v[k] = ratio(view.ratio_v(k));
   steady_ &= (wrap_u_ == wrap::clamp || levels_.columns[k] > 0) && (wrap_v_ == wrap::clamp || levels_.rows[k] > 0);
 }
 

@@ -27,6 +27,7 @@ struct alignas(64) planar_levels {
   int32_t last_column[max_planar_levels] = {}, last_row[max_planar_levels] = {};       // blocks from -apron to these hold something
   int32_t columns[max_planar_levels] = {}, rows[max_planar_levels] = {};               // blocks repeat so; 0 where they do not
   int32_t period_u[max_planar_levels] = {}, period_v[max_planar_levels] = {};          // texels repeat so; 0 for clamp
+  int32_t ratio_u[max_planar_levels] = {}, ratio_v[max_planar_levels] = {};            // texture_view::ratio_u(); 1, which is 2^31, as 2^30
 };
 
 // What a kernel reads: all levels in rows; and of maps whose axes wrap at powers of two, planes of bytes; or blocks, and level 0 in rows with an apron.

@@ -122,7 +122,7 @@ SPANTEX_INLINE v16 mean_of(const colouring& as, const row_span& s, int n, v16 (&
 enum class held_in : uint8_t { narrow, wide, two_sections };  // fine texels of a quad
 
 // How a span's quads are drawn.
-template <taken Levels, int Channels, held_in Fine>
+template <taken Levels, int Channels, held_in Fine, bool Scaled = false>
 struct row_blender : blending<true> {
   SPANTEX_INLINE explicit row_blender(const uint8_t* of) : blending<true>(of) {}
 
@@ -134,7 +134,7 @@ struct row_blender : blending<true> {
       const texels16 at = s.sample(n, k);
       v16 fine[Channels], coarse[Channels];
       constexpr bool wide = Fine != held_in::narrow;
-      const samples here = samples16(from, s.at.at(from, at.u, at.v, n));
+      const samples here = samples16(from, snapped_on<Scaled, 0>(s, from, at.u, at.v, n));
       blended16<wide>(section_of<wide>(blocks, s.fine, n), here, rounding, fine);
       if constexpr (Fine == held_in::two_sections) {
         const __mmask16 later = s.in_later_blocks(at, n);
@@ -144,7 +144,7 @@ struct row_blender : blending<true> {
       }
       if constexpr (Levels == taken::all) {
         asm volatile("" ::: "memory");  // as in quad_blender
-        blended16<false>(section_of<false>(blocks, s.coarse, n), samples16(from, s.at.at(from, at.u, at.v, n + quads)), rounding, coarse);
+        blended16<false>(section_of<false>(blocks, s.coarse, n), samples16(from, snapped_on<Scaled, 1>(s, from, at.u, at.v, n)), rounding, coarse);
       }
       const v16 counted = _mm512_maskz_mov_epi32(_mm512_cmpgt_epi32_mask(s.samples[n], set32(k)), weights);
 #pragma GCC unroll 4
@@ -160,10 +160,11 @@ template <taken Levels, int Channels>
   out = blended(s, n);
 }
 
-// A quad that spreads further. False where the map has no blocks.
-template <int Channels>
+// A quad that spreads further. False where the map has no blocks, or, scaled, on several whole levels.
+template <int Channels, bool Scaled>
 [[gnu::noinline]] bool spread_rows(const planar_map& map, int32_t last_level, const row_span& s, int n, v16& out) {
   const v16 fine_level = _mm512_srli_epi32(s.level[n], 8), coarse_level = _mm512_min_epi32(_mm512_add_epi32(fine_level, of32<1>()), set32(last_level));
+  if (Scaled && _mm512_cmpneq_epi32_mask(fine_level, set32(s.first_level[n])) != 0) return false;
   const colouring as;
   const v16 weights = as.level_weights(s.level[n]);
   const __mmask16 between = _mm512_test_epi32_mask(s.level[n], of32<255>());
@@ -173,8 +174,8 @@ template <int Channels>
     const __mmask16 lanes = _mm512_cmpgt_epi32_mask(s.samples[n], set32(k)), both = __mmask16(lanes & between);
     if (lanes == 0) break;
     const texels16 at = s.sample(n, k);
-    if (!blend_anywhere<up_between>(map, on_levels(at, fine_level), fine_level, lanes, 1 << 7, fine)) return false;
-    if (both != 0 && !blend_anywhere<up_between>(map, on_levels(at, coarse_level), coarse_level, both, 1 << 7, coarse)) return false;
+    if (!blend_anywhere<up_between>(map, on_level_after<Scaled>(s, at, fine_level, 0, n), fine_level, lanes, 1 << 7, fine)) return false;
+    if (both != 0 && !blend_anywhere<up_between>(map, on_level_after<Scaled>(s, at, coarse_level, 1, n), coarse_level, both, 1 << 7, coarse)) return false;
     const v16 counted = _mm512_maskz_mov_epi32(lanes, weights);
 #pragma GCC unroll 4
     for (int m = 0; m < Channels; ++m) sum[m] = as.summed(sum[m], fine[m], coarse[m], counted);
@@ -185,7 +186,6 @@ template <int Channels>
 
 // Finds the quads in three blocks of one axis.
 SPANTEX_INLINE void split_quads(const planar_map& map, v16 reach, row_span& s) {
-  s.split = 0;
   const uint32_t held = s.one_level ? 0xF : s.coarse.fit;
   if ((s.fine.fit & held) == held) return;
   const v16 level = _mm512_broadcast_i32x4(_mm_load_si128(reinterpret_cast<const __m128i*>(s.first_level))), texel = end_texels(reach, level), block = _mm512_srai_epi32(texel, 3);
@@ -199,19 +199,19 @@ SPANTEX_INLINE void split_quads(const planar_map& map, v16 reach, row_span& s) {
   _mm512_store_si512(s.second, _mm512_sllv_epi32(_mm512_add_epi32(block, of32<1>()), _mm512_add_epi32(scale, of32<3>())));
 }
 
-template <taken Levels, int Channels, held_in Fine>
+template <taken Levels, int Channels, held_in Fine, bool Scaled>
 SPANTEX_INLINE bool blend_rows(const row_work& work, const batch& b, int k, const row_span& s) {
-  return blend_span<row_blender<Levels, Channels, Fine>>(work, b, k, s, [&](int n, v16& out) SPANTEX_INLINED {
+  return blend_span<row_blender<Levels, Channels, Fine, Scaled>>(work, b, k, s, [&](int n, v16& out) SPANTEX_INLINED {
     if (s.split >> n & 1) {
       split_rows<Levels, Channels>(work.texels->blocks(), s, n, out);
       return true;
     }
-    return spread_rows<Channels>(*work.texels, work.last_level, s, n, out);
+    return spread_rows<Channels, Scaled>(*work.texels, work.last_level, s, n, out);
   });
 }
 
 // Rows of pixels whose shapes are known; nu, nv: J times the major axis' direction. False where they are too long.
-template <int Channels>
+template <int Channels, bool Scaled>
 SPANTEX_INLINE bool draw_rows(const row_work& work, const batch& b, int k, const offsets& o, const v16 (&nu)[quads], const v16 (&nv)[quads], row_span& s) {
   constexpr int32_t half_of_longest = longest_row << 15;
   const int drop = b.axis_exponent[k] - 17;  // 3 or more
@@ -231,7 +231,7 @@ SPANTEX_INLINE bool draw_rows(const row_work& work, const batch& b, int k, const
     far_u[n] = _mm512_abs_epi32(s.along_u[0][n]);
     far_v[n] = _mm512_abs_epi32(s.along_v[0][n]);
     beyond |= _mm512_cmpgt_epu32_mask(_mm512_or_si512(far_u[n], far_v[n]), of32<half_of_longest - 1>());
-    const texels16 p = texels_of(positions_of(b, k, o, n));
+    const texels16 p = texels_of({o.u[n], o.v[n], Scaled ? b.origin_u[k] : b.base_u[k], Scaled ? b.origin_v[k] : b.base_v[k], o.bits, o.half});
     s.u[n] = p.u;
     s.v[n] = p.v;
   }
@@ -241,15 +241,21 @@ SPANTEX_INLINE bool draw_rows(const row_work& work, const batch& b, int k, const
   const v16 aside = _mm512_mask_mov_epi32(of_each_quad<larger>(far_u), 0xF0F0, of_each_quad<larger>(far_v)), middle = reach_of(s.u, s.v, 16, 0, 0);
   const v16 reach = _mm512_mask_add_epi32(_mm512_sub_epi32(middle, aside), 0xFF00, middle, aside);
   static_assert(max_levels <= 13, "no position is shortened");
-  place<true>(*work.texels, work.last_level, 0, 0, reach, s);
-  split_quads(*work.texels, reach, s);
+  place<true, Scaled>(*work.texels, work.last_level, 0, 0, reach, s, Scaled ? turns_of(*work.texels, b, k) : v16{});
+  s.split = 0;
+  if constexpr (!Scaled) split_quads(*work.texels, reach, s);
   for (int n = 0; s.crossing && n < quads; ++n)
     if (_mm512_cmpneq_epi32_mask(whole_of<true>(s.level[n]), set32(s.first_level[n])) != 0) {
       s.fit &= ~(1u << n);
       s.split &= ~(1u << n);
     }
-  if (s.one_level) return s.wide ? blend_rows<taken::one, Channels, held_in::wide>(work, b, k, s) : blend_rows<taken::one, Channels, held_in::narrow>(work, b, k, s);
-  return s.wide ? blend_rows<taken::all, Channels, held_in::wide>(work, b, k, s) : blend_rows<taken::all, Channels, held_in::narrow>(work, b, k, s);
+  if (s.one_level) return s.wide ? blend_rows<taken::one, Channels, held_in::wide, Scaled>(work, b, k, s) : blend_rows<taken::one, Channels, held_in::narrow, Scaled>(work, b, k, s);
+  return s.wide ? blend_rows<taken::all, Channels, held_in::wide, Scaled>(work, b, k, s) : blend_rows<taken::all, Channels, held_in::narrow, Scaled>(work, b, k, s);
+}
+
+template <int Channels>
+[[gnu::noinline]] bool draw_scaled_rows(const row_work& work, const batch& b, int k, const offsets& o, const v16 (&nu)[quads], const v16 (&nv)[quads], row_span& s) {
+  return draw_rows<Channels, true>(work, b, k, o, nu, nv, s);
 }
 
 template <int Channels>
@@ -267,13 +273,13 @@ SPANTEX_INLINE bool draw_aniso(const row_work& work, const batch& b, int k) {
     span.samples[n] = samples_of(ratio);
     largest = _mm512_max_epi32(largest, ratio);
   }
-  if (on_unlike_levels<true>(*work.texels, span.level)) return false;
+  const bool scaled = on_unlike_levels<true>(*work.texels, span.level);
   const auto some_take = [&](v16 ratio) { return _mm512_cmpge_epi32_mask(largest, ratio) != 0; };
   if (some_take(of32<least_ratio_of(most_samples + 1)>())) return false;
   if (!some_take(of32<least_ratio_of(2)>())) {
     take(o, span);
-    return draw_at_levels<true, Channels>(work, b, k, span);
+    return scaled ? draw_at_scaled_levels<true, Channels>(work, b, k, span) : draw_at_levels<true, Channels>(work, b, k, span);
   }
   span.most = some_take(of32<least_ratio_of(4)>()) ? 4 : some_take(of32<least_ratio_of(3)>()) ? 3 : 2;
-  return draw_rows<Channels>(work, b, k, o, nu, nv, span);
+  return scaled ? draw_scaled_rows<Channels>(work, b, k, o, nu, nv, span) : draw_rows<Channels, false>(work, b, k, o, nu, nv, span);
 }

@@ -7,6 +7,7 @@ struct alignas(64) batch {
   int32_t c_u[batch_size], a_u[batch_size], b_u[batch_size], c_v[batch_size], a_v[batch_size], b_v[batch_size];
   int32_t g[batch_size], h[batch_size];
   int32_t base_u[batch_size], base_v[batch_size];       // modulo the map's period
+  int32_t origin_u[batch_size], origin_v[batch_size];   // before that
   int32_t exponent[batch_size], slope_log2[batch_size];
   int32_t terms[batch_size];                             // 0: affine, 1..4: series, 5: divide
   // Level 0, of spans that are flat enough to tell without their pixels: where the quads' sections lie.

@@ -9,6 +9,7 @@ struct level_span {
   int bits;                           // of the offsets
   uint32_t half;
   snapping at;
+  scaling scaled[3];                  // instead of it, of the fine level, the coarse one and the next
   span_sections fine, coarse, next;
   int32_t first_level[quads];         // the least of each quad's pixels
   uint32_t fit;                       // bit n: quad n's sections are here
@@ -55,9 +56,29 @@ SPANTEX_INLINE v16 of_each_quad(const v16 (&x)[quads]) {
   return Of(pairs, _mm512_shuffle_i32x4(pairs, pairs, 0xB1));
 }
 
-// Where the levels of a span's quads lie in the map. `crossing`: some quad's pixels have two whole levels.
-template <bool TwoLevels>
-SPANTEX_INLINE void place(const planar_map& map, int32_t last_level, int32_t base_u, int32_t base_v, v16 reach, level_span& s) {
+// The texels of the quads' levels that the ends need, where sides do not halve exactly: reach is from the origin. turns: the whole periods of the map
+// before the base, which are as many of the level's.
+SPANTEX_INLINE v16 scale_ends(const planar_map& map, v16 reach, v16 level, v16 turns, scaling& s) {
+  const planar_levels& texels = map.levels();
+  const v16 ratio = of_levels(level, texels.ratio_u, texels.ratio_v), half_texel = of32<1 << (q.subtexel_bits - 1)>(), one = of32<1>();
+  // A product's upper half has 2^-(7 + drop) texel.
+  const v16 halved = _mm512_add_epi32(level, of32<16 + 31 - q.subtexel_bits - 32>());
+  const v16 drop = _mm512_mask_sub_epi32(halved, _mm512_cmpeq_epi32_mask(ratio, of32<1 << 30>()), halved, one);
+  const v16 turned = _mm512_slli_epi32(_mm512_mullo_epi32(turns, of_levels(level, texels.period_u, texels.period_v)), q.subtexel_bits);
+  const v16 from = _mm512_sub_epi32(_mm512_setzero_si512(), _mm512_sllv_epi32(_mm512_add_epi32(turned, half_texel), drop));
+  const v16 half = _mm512_sllv_epi32(one, _mm512_sub_epi32(drop, one));
+  const auto put = [](int32_t* to, v16 x) { _mm256_store_si256(reinterpret_cast<__m256i*>(to), _mm512_castsi512_si256(x)); };
+  put(s.ratio, ratio);
+  put(s.from, _mm512_add_epi32(from, half));
+  put(s.drop, drop);
+  const v16 ends = _mm512_setr_epi32(0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1), product = scaling::products(reach, ratio, _mm512_srli_epi64(ratio, 32));
+  return _mm512_add_epi32(_mm512_srav_epi32(_mm512_add_epi32(product, from), _mm512_add_epi32(drop, of32<q.subtexel_bits>())), ends);
+}
+
+// Where the levels of a span's quads lie in the map. `crossing`: some quad's pixels have two whole levels. Scaled: u and v are from the origin, s15.16, and
+// turns as above.
+template <bool TwoLevels, bool Scaled = false>
+SPANTEX_INLINE void place(const planar_map& map, int32_t last_level, int32_t base_u, int32_t base_v, v16 reach, level_span& s, v16 turns = v16{}) {
   const v16 last = set32(last_level);
   const v16 whole[quads] = {whole_of<TwoLevels>(s.level[0]), whole_of<TwoLevels>(s.level[1]), whole_of<TwoLevels>(s.level[2]), whole_of<TwoLevels>(s.level[3])};
   const auto first_of = [](v16 x) { return _mm512_broadcastd_epi32(_mm512_castsi512_si128(x)); };
@@ -68,21 +89,25 @@ SPANTEX_INLINE void place(const planar_map& map, int32_t last_level, int32_t bas
   if (s.crossing) [[unlikely]] fine_level = of_each_quad<smaller>(whole);
   const v16 coarse_level = further(fine_level);
   _mm_store_si128(reinterpret_cast<__m128i*>(s.first_level), _mm512_castsi512_si128(fine_level));
-  shorten(last_level, s.u, s.v, s.bits, s.half);
-  s.at.take_two(s.bits, s.half, base_u, base_v, _mm256_set_m128i(_mm512_castsi512_si128(coarse_level), _mm512_castsi512_si128(fine_level)));
-  find_sections<false>(map, reach, fine_level, s.fine);
+  if constexpr (!Scaled) {
+    shorten(last_level, s.u, s.v, s.bits, s.half);
+    s.at.take_two(s.bits, s.half, base_u, base_v, _mm256_set_m128i(_mm512_castsi512_si128(coarse_level), _mm512_castsi512_si128(fine_level)));
+  }
+  const auto ends_on = [&](v16 level, int after) SPANTEX_INLINED { return Scaled ? scale_ends(map, reach, level, turns, s.scaled[after]) : end_texels(reach, level); };
+  const v16 fine_ends = ends_on(fine_level, 0);
+  find_sections_at<false>(map, fine_ends, fine_level, s.fine);
   s.wide = s.fine.fit != 0xF;
-  if (s.wide) find_sections<true>(map, reach, fine_level, s.fine);
+  if (s.wide) find_sections_at<true>(map, fine_ends, fine_level, s.fine);
   s.fit = s.fine.fit;
   s.one_level = TwoLevels && !s.crossing && _mm512_test_epi32_mask(_mm512_or_si512(_mm512_or_si512(s.level[0], s.level[1]), _mm512_or_si512(s.level[2], s.level[3])), of32<255>()) == 0;
   if (s.one_level || (!TwoLevels && !s.crossing)) return;
-  find_sections<false>(map, reach, coarse_level, s.coarse);
+  find_sections_at<false>(map, ends_on(coarse_level, 1), coarse_level, s.coarse);
   s.fit &= s.coarse.fit;
   if (!s.crossing) [[likely]] return;
   if constexpr (TwoLevels) {
     const v16 next_level = further(coarse_level);
-    s.at.take_next(s.bits, s.half, base_u, base_v, _mm512_castsi512_si128(next_level));
-    find_sections<false>(map, reach, next_level, s.next);
+    if constexpr (!Scaled) s.at.take_next(s.bits, s.half, base_u, base_v, _mm512_castsi512_si128(next_level));
+    find_sections_at<false>(map, ends_on(next_level, 2), next_level, s.next);
     s.fit &= s.next.fit;
   }
   for (int n = 0; n < quads; ++n)
@@ -92,6 +117,24 @@ SPANTEX_INLINE void place(const planar_map& map, int32_t last_level, int32_t bas
 template <bool TwoLevels>
 SPANTEX_INLINE void place_span(const row_work& work, const batch& b, int k, level_span& s) {
   place<TwoLevels>(*work.texels, work.last_level, b.base_u[k], b.base_v[k], reach_of(s.u, s.v, s.bits, b.base_u[k], b.base_v[k]), s);
+}
+
+// The whole periods before a span's base, in the lanes of either axis.
+SPANTEX_INLINE v16 turns_of(const planar_map& map, const batch& b, int k) {
+  const auto turns = [](int32_t origin, int32_t base, int32_t period) { return period == 0 ? 0 : (origin - base) / period; };
+  return _mm512_mask_mov_epi32(set32(turns(b.origin_u[k], b.base_u[k], map.period_u())), of_v, set32(turns(b.origin_v[k], b.base_v[k], map.period_v())));
+}
+
+// What is on levels whose sides do not halve exactly: positions from the origin.
+template <bool TwoLevels>
+SPANTEX_INLINE void place_scaled_span(const row_work& work, const batch& b, int k, level_span& s) {
+#pragma GCC unroll 4
+  for (int n = 0; n < quads; ++n) {
+    const texels16 p = texels_of({s.u[n], s.v[n], b.origin_u[k], b.origin_v[k], s.bits, s.half});
+    s.u[n] = p.u;
+    s.v[n] = p.v;
+  }
+  place<TwoLevels, true>(*work.texels, work.last_level, 0, 0, reach_of(s.u, s.v, 16, 0, 0), s, turns_of(*work.texels, b, k));
 }
 
 SPANTEX_INLINE positions positions_of(const batch& b, int k, const level_span& s, int n) { return {s.u[n], s.v[n], b.base_u[k], b.base_v[k], s.bits, s.half}; }
@@ -110,8 +153,15 @@ struct blending {
   SPANTEX_INLINE explicit blending(const uint8_t* of) : blocks(of), rounding(rounding_of<TwoLevels>()) {}
 };
 
+// Positions on the level that lies so many after the fine one.
+template <bool Scaled, int After, class C>
+SPANTEX_INLINE v16 snapped_on(const level_span& s, const C& c, v16 u, v16 v, int n) {
+  if constexpr (Scaled) return s.scaled[After].at(c, u, v, n);
+  else return s.at.at(c, u, v, n + After * quads);
+}
+
 // How a span's quads are drawn. Whether the fine sections are as narrow as the coarse ones is much the same from one span to the next.
-template <bool TwoLevels, taken Levels, int Channels, bool Wide>
+template <bool TwoLevels, taken Levels, int Channels, bool Wide, bool Scaled = false>
 struct quad_blender : blending<TwoLevels> {
   SPANTEX_INLINE explicit quad_blender(const uint8_t* of) : blending<TwoLevels>(of) {}
   using blending<TwoLevels>::up, blending<TwoLevels>::blocks, blending<TwoLevels>::from, blending<TwoLevels>::as, blending<TwoLevels>::rounding;
@@ -119,7 +169,7 @@ struct quad_blender : blending<TwoLevels> {
   SPANTEX_INLINE v16 operator()(const level_span& s, int n) const {
     const v16 u = s.u[n], v = s.v[n], level = s.level[n];
     v16 fine[Channels];
-    blended16<Wide>(section_of<Wide>(blocks, s.fine, n), samples16(from, s.at.at(from, u, v, n)), rounding, fine);
+    blended16<Wide>(section_of<Wide>(blocks, s.fine, n), samples16(from, snapped_on<Scaled, 0>(s, from, u, v, n)), rounding, fine);
     return finished(s, n, u, v, level, fine);
   }
 
@@ -149,7 +199,7 @@ struct quad_blender : blending<TwoLevels> {
   template <int After>
   SPANTEX_INLINE void blended_on(const level_span& s, int n, v16 u, v16 v, v16 (&out)[Channels]) const {
     asm volatile("" ::: "memory");
-    blended16<false>(section_of<false>(blocks, After == 1 ? s.coarse : s.next, n), samples16(from, s.at.at(from, u, v, n + After * quads)), rounding, out);
+    blended16<false>(section_of<false>(blocks, After == 1 ? s.coarse : s.next, n), samples16(from, snapped_on<Scaled, After>(s, from, u, v, n)), rounding, out);
   }
 };
 
@@ -172,18 +222,27 @@ SPANTEX_INLINE void blend_quads(const uint8_t* blocks, const Span& s, uint32_t s
     if (some >> n & 1) out[n] = blended(s, n);
 }
 
+// The quad's positions on the level that lies so many after the fine one, less half a texel, 7 bits of fraction.
+template <bool Scaled>
+SPANTEX_INLINE texels16 on_level_after(const level_span& s, texels16 p, v16 level, int after, int n) {
+  if constexpr (Scaled) return {s.scaled[after].whole(p.u, n), s.scaled[after].whole(p.v, n + quads)};
+  else return on_levels(p, level);
+}
+
 // A quad that spreads too far, as a rule on its fine level alone, or over too many levels. False where the map has no blocks.
-template <bool TwoLevels, taken Levels, int Channels>
+template <bool TwoLevels, taken Levels, int Channels, bool Scaled>
 [[gnu::noinline]] bool spread_quad(const planar_map& map, int32_t last_level, const positions& p, const level_span& s, int n, v16& out) {
   const v16 whole = whole_of<TwoLevels>(s.level[n]), first = set32(s.first_level[n]);
   const __mmask16 others = _mm512_cmpneq_epi32_mask(whole, first);
   const uint32_t further = Levels == taken::more ? (TwoLevels ? s.coarse.fit & s.next.fit : s.coarse.fit) : TwoLevels && Levels == taken::all ? s.coarse.fit : 0xF;
-  if (!(further >> n & 1) || _mm512_cmpgt_epi32_mask(whole, _mm512_add_epi32(first, set32(1))) != 0)
-    return by_level_anywhere<TwoLevels>(map, p, last_level, whole, _mm512_and_si512(s.level[n], set32(255)), out);
-  using blender = quad_blender<TwoLevels, Levels, Channels, false>;
+  if (!(further >> n & 1) || _mm512_cmpgt_epi32_mask(whole, _mm512_add_epi32(first, set32(1))) != 0) {
+    if constexpr (Scaled) return false;
+    else return by_level_anywhere<TwoLevels>(map, p, last_level, whole, _mm512_and_si512(s.level[n], set32(255)), out);
+  }
+  using blender = quad_blender<TwoLevels, Levels, Channels, false, Scaled>;
   const blender blended(map.blocks());
   v16 fine[Channels];
-  if (!blend_anywhere<blender::up>(map, on_levels(texels_of(p), first), first, __mmask16(~others), TwoLevels ? 1 << 7 : before_even, fine)) return false;
+  if (!blend_anywhere<blender::up>(map, on_level_after<Scaled>(s, Scaled ? texels16{p.u, p.v} : texels_of(p), first, 0, n), first, __mmask16(~others), TwoLevels ? 1 << 7 : before_even, fine)) return false;
   out = blended.finished(s, n, p.u, p.v, s.level[n], fine);
   return true;
 }
@@ -213,16 +272,23 @@ SPANTEX_INLINE bool blend_span(const row_work& work, const batch& b, int k, cons
   return true;
 }
 
-template <bool TwoLevels, int Channels>
+template <bool TwoLevels, int Channels, bool Scaled = false>
 SPANTEX_INLINE bool blend_span(const row_work& work, const batch& b, int k, const level_span& s) {
   const auto blended = [&]<taken Levels, bool Wide>() SPANTEX_INLINED {
-    return blend_span<quad_blender<TwoLevels, Levels, Channels, Wide>>(work, b, k, s, [&](int n, v16& out) SPANTEX_INLINED {
-      return spread_quad<TwoLevels, Levels, Channels>(*work.texels, work.last_level, positions_of(b, k, s, n), s, n, out);
+    return blend_span<quad_blender<TwoLevels, Levels, Channels, Wide, Scaled>>(work, b, k, s, [&](int n, v16& out) SPANTEX_INLINED {
+      return spread_quad<TwoLevels, Levels, Channels, Scaled>(*work.texels, work.last_level, positions_of(b, k, s, n), s, n, out);
     });
   };
   const auto by_width = [&]<taken Levels>() SPANTEX_INLINED { return s.wide ? blended.template operator()<Levels, true>() : blended.template operator()<Levels, false>(); };
   if (s.crossing) [[unlikely]] return by_width.template operator()<taken::more>();
   return s.one_level ? by_width.template operator()<taken::one>() : by_width.template operator()<taken::all>();
+}
+
+// On levels whose sides do not halve exactly.
+template <bool TwoLevels, int Channels>
+[[gnu::noinline]] bool draw_at_scaled_levels(const row_work& work, const batch& b, int k, level_span& s) {
+  place_scaled_span<TwoLevels>(work, b, k, s);
+  return blend_span<TwoLevels, Channels, true>(work, b, k, s);
 }
 
 // Pixels whose positions and levels are known.

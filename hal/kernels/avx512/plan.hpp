@@ -135,6 +135,7 @@ SPANTEX_INLINE void plan_mantissas(const row_work& work, setup& s, batch& b) {
   s.g = quotient8(gx, set(slope_drop), s.inverse.y, slope_shift);
   s.h = quotient8(gy, set(slope_drop), s.inverse.y, slope_shift);
   keep(b.g, s.g); keep(b.h, s.h); keep(b.exponent, s.exponent);
+  keep(b.origin_u, s.base_u); keep(b.origin_v, s.base_v);
   keep(b.base_u, modulo(s.base_u, work.texels->period_u())); keep(b.base_v, modulo(s.base_v, work.texels->period_v()));
   if (p.rounding_bits == 0) return;
   // rounding_is_small()

@@ -163,3 +163,30 @@ struct alignas(32) snapping {
     return _mm512_mask_mov_epi16(y, __mmask32(c.even), x);
   }
 };
+
+// A level whose sides do not halve exactly: positions on it are products of positions from the origin, s15.16, with the ratio of its sides to level 0's.
+// Lanes and numbers are of the quads' u, then of their v.
+struct alignas(32) scaling {
+  int32_t ratio[2 * quads], from[2 * quads], drop[2 * quads];
+
+  // The upper halves of products.
+  SPANTEX_INLINE static v16 products(v16 x, v16 y_even, v16 y_odd) {
+    const v8 even = _mm512_mul_epi32(x, y_even), odd = _mm512_mul_epi32(_mm512_srli_epi64(x, 32), y_odd);
+    return _mm512_mask_mov_epi32(_mm512_srli_epi64(even, 32), 0xAAAA, odd);
+  }
+
+  SPANTEX_INLINE v16 product(v16 x, int k) const {
+    const v16 by = set32(ratio[k]);
+    return _mm512_add_epi32(products(x, by, by), set32(from[k]));
+  }
+
+  // As snapped16() has them.
+  template <class C>
+  SPANTEX_INLINE v16 at(const C& c, v16 u, v16 v, int n) const {
+    const v16 x = _mm512_srlv_epi32(product(u, n), set32(drop[n])), y = _mm512_rorv_epi32(product(v, n + quads), set32(drop[n + quads] - 16));
+    return _mm512_mask_mov_epi16(y, __mmask32(c.even), x);
+  }
+
+  // All of them, as on_levels() has them.
+  SPANTEX_INLINE v16 whole(v16 x, int k) const { return _mm512_srav_epi32(product(x, k), set32(drop[k])); }
+};

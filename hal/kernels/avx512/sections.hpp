@@ -58,14 +58,20 @@ SPANTEX_INLINE v16 end_texels(v16 reach, v16 level) {
 SPANTEX_INLINE v16 spread_of(v16 from) { return _mm512_sub_epi32(_mm512_shuffle_i32x4(from, from, 0x4E), from); }  // in the first ends' lanes
 SPANTEX_INLINE uint32_t some_axis(uint32_t lanes) { return (lanes | lanes >> 4 | lanes >> 8 | lanes >> 12) & 0xF; }  // quads
 
-// Levels of the quads, four times over.
-template <bool Wide>
-SPANTEX_INLINE void find_sections(const planar_map& map, v16 reach, v16 level, span_sections& s) {
-  const planar_levels& texels = map.levels();
-  const v16 one = set32(1), axis = _mm512_setr_epi32(0, 0, 0, 0, 16, 16, 16, 16, 0, 0, 0, 0, 16, 16, 16, 16), index = _mm512_or_si512(level, axis);
+// What the axes have on each lane's level: levels of the quads, four times over.
+SPANTEX_INLINE v16 of_levels(v16 level, const int32_t (&u)[max_planar_levels], const int32_t (&v)[max_planar_levels]) {
   static_assert(max_planar_levels == 16);
-  const auto of_level = [&](const int32_t* u, const int32_t* v) { return _mm512_permutex2var_epi32(_mm512_load_si512(u), index, _mm512_load_si512(v)); };
-  const v16 ends = _mm512_setr_epi32(0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1), texel = end_texels(reach, level);
+  const v16 axis = _mm512_setr_epi32(0, 0, 0, 0, 16, 16, 16, 16, 0, 0, 0, 0, 16, 16, 16, 16);
+  return _mm512_permutex2var_epi32(_mm512_load_si512(u), _mm512_or_si512(level, axis), _mm512_load_si512(v));
+}
+
+// texel: of the level that the ends need.
+template <bool Wide>
+SPANTEX_INLINE void find_sections_at(const planar_map& map, v16 texel, v16 level, span_sections& s) {
+  const planar_levels& texels = map.levels();
+  const v16 one = set32(1);
+  const auto of_level = [&](const int32_t (&u)[max_planar_levels], const int32_t (&v)[max_planar_levels]) { return of_levels(level, u, v); };
+  const v16 ends = _mm512_setr_epi32(0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1);
   const v16 block = _mm512_srai_epi32(texel, 3), least = of32<-apron>(), last = of_level(texels.last_column, texels.last_row);
   const v16 from = Wide ? block : _mm512_mask_mov_epi32(block, of_u, texel);  // narrow: columns are counted
   const v16 most = Wide ? one : _mm512_mask_mov_epi32(one, of_u, of32<block_side - 1>());
@@ -89,6 +95,11 @@ SPANTEX_INLINE void find_sections(const planar_map& map, v16 reach, v16 level, s
   if (bad == 0) [[likely]] return;
   s.fit = ~some_axis(bad) & 0xF;
   s.within = ~some_axis(outside) & 0xF;
+}
+
+template <bool Wide>
+SPANTEX_INLINE void find_sections(const planar_map& map, v16 reach, v16 level, span_sections& s) {
+  find_sections_at<Wide>(map, end_texels(reach, level), level, s);
 }
 
 template <bool Wide>
