@@ -126,7 +126,7 @@ class Model:
         major, bias = length - 2 * log2_w, 0 if squares else bias * 4096
         ratio = clamp(min(2 * length - area * 64 - log2_w, major - bias), 0, self.log2_16(samples))
         minor = major - ratio
-        level = clamp(nearest(minor + (bias // 4096 * clamp(minor, 0, 65536) >> 4), 16 - L), 0, 12 << L)
+        level = clamp(nearest(max(minor + bias, min(minor, -5 * bias // 8)), 16 - L), 0, 12 << L)
         if not squares:
             return [level, clamp((self.exp2(ratio) - (slack << 12) + 65535) >> 16, 1, samples)]
         whole = max(0, ((level + (1 << (L - 1)) + (1 << L) - 1) >> L) - 1)
