@@ -25,7 +25,7 @@ bool at_every(const corners& c, const Holds& holds) {
 // How far a position may lie from a texel's centre, 2^-16 texel, so that every weight is 0: less than half a weight's step. The rounding to coordinate_bits
 // takes half a unit of that, what comes before it (ACCURACY 4, E = 3) 2^-16 texel and less: three quarters of it spare more.
 // Then from a span's first pixel to its last, seven, positions change by a texel a pixel give or take 2/7 of it, levels of detail by 1.45 times that, which
-// rounds to 0, to 2^-10 (with log2's error, ACCURACY 4) and to level_bits after that; and a row has one sample.
+// rounds to 0, to 2^-10 and to level_bits after that, with 8 units of 2^-16 for log2, the mantissas and squares (ACCURACY 4); and a row has one sample.
 constexpr const profile& by = profiles::standard;
 constexpr int32_t most_off_centre = 3 << (13 - by.subtexel_bits);
 static_assert(by.coordinate_bits >= 14 && by.offset_bits >= 23 && by.position_rounding == rounding::nearest);

@@ -57,7 +57,7 @@ SPANTEX_INLINE v16 of_each_quad(const v16 (&x)[quads]) {
 }
 
 // The texels of the quads' levels that the ends need, where sides do not halve exactly: reach is from the origin. turns: the whole periods of the map
-// before the base, which are as many of the level's.
+// before the base, which are as many of the level's (of a side that has become 1 they may be others, but there all texels are one).
 SPANTEX_INLINE v16 scale_ends(const planar_map& map, v16 reach, v16 level, v16 turns, scaling& s) {
   const planar_levels& texels = map.levels();
   const v16 ratio = of_levels(level, texels.ratio_u, texels.ratio_v), half_texel = of32<1 << (q.subtexel_bits - 1)>(), one = of32<1>();
