@@ -67,12 +67,11 @@ SPANTEX_INLINE v16 scale_ends(const planar_map& map, v16 reach, v16 level, v16 t
   const v16 turned = _mm512_slli_epi32(_mm512_mullo_epi32(turns, of_levels(level, texels.period_u, texels.period_v)), q.subtexel_bits);
   const v16 from = _mm512_sub_epi32(_mm512_setzero_si512(), _mm512_sllv_epi32(_mm512_add_epi32(turned, half_texel), drop));
   const v16 half = _mm512_sllv_epi32(one, _mm512_sub_epi32(drop, one));
-  const auto put = [](int32_t* to, v16 x) { _mm256_store_si256(reinterpret_cast<__m256i*>(to), _mm512_castsi512_si256(x)); };
-  put(s.ratio, ratio);
-  put(s.from, _mm512_add_epi32(from, half));
-  put(s.drop, drop);
-  const v16 ends = _mm512_setr_epi32(0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1), product = scaling::products(reach, ratio, _mm512_srli_epi64(ratio, 32));
-  return _mm512_add_epi32(_mm512_srav_epi32(_mm512_add_epi32(product, from), _mm512_add_epi32(drop, of32<q.subtexel_bits>())), ends);
+  put(s.ratio, _mm512_castsi512_si256(ratio));
+  put(s.from, _mm512_castsi512_si256(_mm512_add_epi32(from, half)));
+  put(s.drop, _mm512_castsi512_si256(drop));
+  const v16 product = scaling::products(reach, ratio, _mm512_srli_epi64(ratio, 32));
+  return _mm512_add_epi32(_mm512_srav_epi32(_mm512_add_epi32(product, from), _mm512_add_epi32(drop, of32<q.subtexel_bits>())), one_at_last_ends());
 }
 
 // Where the levels of a span's quads lie in the map. `crossing`: some quad's pixels have two whole levels. Scaled: u and v are from the origin, s15.16, and

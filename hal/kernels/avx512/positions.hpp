@@ -167,6 +167,7 @@ struct alignas(32) snapping {
 // A level whose sides do not halve exactly: positions on it are products of positions from the origin, s15.16, with the ratio of its sides to level 0's.
 // Lanes and numbers are of the quads' u, then of their v.
 struct alignas(32) scaling {
+  static_assert(2 * quads == batch_size, "put() stores as many");
   int32_t ratio[2 * quads], from[2 * quads], drop[2 * quads];
 
   // The upper halves of products.

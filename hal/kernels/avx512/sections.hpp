@@ -49,10 +49,12 @@ struct alignas(64) span_sections {
 // Lanes are ordered as in reach_of(): those of u, of v, of the first ends.
 constexpr __mmask16 of_u = 0x0F0F, of_v = 0xF0F0, firsts = 0x00FF;
 
+SPANTEX_INLINE v16 one_at_last_ends() { return _mm512_setr_epi32(0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1); }
+
 // The texels of the level that the ends need.
 SPANTEX_INLINE v16 end_texels(v16 reach, v16 level) {
-  const v16 half = _mm512_sllv_epi32(of32<1 << 15>(), level), ends = _mm512_setr_epi32(0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1);
-  return _mm512_add_epi32(_mm512_srav_epi32(_mm512_sub_epi32(reach, half), _mm512_add_epi32(level, of32<16>())), ends);
+  const v16 half = _mm512_sllv_epi32(of32<1 << 15>(), level);
+  return _mm512_add_epi32(_mm512_srav_epi32(_mm512_sub_epi32(reach, half), _mm512_add_epi32(level, of32<16>())), one_at_last_ends());
 }
 
 SPANTEX_INLINE v16 spread_of(v16 from) { return _mm512_sub_epi32(_mm512_shuffle_i32x4(from, from, 0x4E), from); }  // in the first ends' lanes
@@ -69,10 +71,8 @@ SPANTEX_INLINE v16 of_levels(v16 level, const int32_t (&u)[max_planar_levels], c
 template <bool Wide>
 SPANTEX_INLINE void find_sections_at(const planar_map& map, v16 texel, v16 level, span_sections& s) {
   const planar_levels& texels = map.levels();
-  const v16 one = set32(1);
-  const auto of_level = [&](const int32_t (&u)[max_planar_levels], const int32_t (&v)[max_planar_levels]) { return of_levels(level, u, v); };
-  const v16 ends = _mm512_setr_epi32(0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1);
-  const v16 block = _mm512_srai_epi32(texel, 3), least = of32<-apron>(), last = of_level(texels.last_column, texels.last_row);
+  const v16 one = set32(1), ends = one_at_last_ends();
+  const v16 block = _mm512_srai_epi32(texel, 3), least = of32<-apron>(), last = of_levels(level, texels.last_column, texels.last_row);
   const v16 from = Wide ? block : _mm512_mask_mov_epi32(block, of_u, texel);  // narrow: columns are counted
   const v16 most = Wide ? one : _mm512_mask_mov_epi32(one, of_u, of32<block_side - 1>());
   __mmask16 bad = __mmask16(firsts & _mm512_cmpgt_epi32_mask(spread_of(from), most));
@@ -83,7 +83,7 @@ SPANTEX_INLINE void find_sections_at(const planar_map& map, v16 texel, v16 level
   v16 parity = _mm512_or_si512(_mm512_andnot_si512(one, _mm512_add_epi32(start, _mm512_sub_epi32(one, ends))), ends);  // the even one, the odd one
   if constexpr (!Wide) parity = _mm512_mask_mov_epi32(parity, of_u, block);
   const v16 held = _mm512_max_epi32(_mm512_min_epi32(parity, last), least);
-  const v16 bytes = _mm512_mullo_epi32(held, of_level(texels.column_bytes, texels.row_bytes));
+  const v16 bytes = _mm512_mullo_epi32(held, of_levels(level, texels.column_bytes, texels.row_bytes));
   const v16 origin = _mm512_permutexvar_epi32(level, _mm512_load_si512(texels.origin));
   const v16 across = _mm512_shuffle_i32x4(bytes, bytes, 0xA0), down = _mm512_shuffle_i32x4(bytes, bytes, 0xDD);
   _mm512_store_si512(s.at, _mm512_add_epi32(_mm512_add_epi32(across, down), origin));
