@@ -131,12 +131,13 @@ status draw_item(auto& renderer, const drawable& item, const scene& s, const dra
     if (o.parts_done) o.parts_done(1);
     return status::ok;
   }
+  if (by_kernel) {
+    SPANTEX_TRY(kernels::draw_plane(out.ready.kernel, out.ready.maps[size_t(item.map_index)], renderer, item.shape.map, map, o.kind, rows, frame_of(out.picture), counts, how));
+    if (o.parts_done) o.parts_done((b.y1 - b.y0 + span_side - 1) / span_side);
+    return status::ok;
+  }
   for (int32_t y = b.y0; y < b.y1; y += span_side) {
-    const rectangle row{0, y, rows.x1, std::min(y + span_side, b.y1)};
-    if (by_kernel)
-      SPANTEX_TRY(kernels::draw_plane(out.ready.kernel, out.ready.maps[size_t(item.map_index)], renderer, item.shape.map, map, o.kind, row, frame_of(out.picture), counts, how));
-    else
-      SPANTEX_TRY(renderer.draw(item.shape.map, map, o.kind, row, how));
+    SPANTEX_TRY(renderer.draw(item.shape.map, map, o.kind, {0, y, rows.x1, std::min(y + span_side, b.y1)}, how));
     if (o.parts_done) o.parts_done(1);
   }
   return status::ok;

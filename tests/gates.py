@@ -18,7 +18,7 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 F = "firmware/spantex/"
 
 STRESS = ["stress", "a_short_run*", [f"sim/stress{part}.cpp" for part in ("", "_describe", "_footprints", "_judge", "_planes", "_polygons")]]
-KERNELS = [f"hal/kernels/{name}.cpp" for name in ("avx2", "avx512", "byte_planes", "kernel", "neon", "planar_map", "row_levels", "shortcuts", "sse41", "words")]
+KERNELS = [f"hal/kernels/{name}.cpp" for name in ("avx2", "avx512", "byte_planes", "kernel", "neon", "planar_map", "row_levels", "shortcuts", "sse41", "upright", "words")]
 OBJECT_SPACE = ["sim/" + name + ".cpp" for name in ("distance_field", "draw_host", "encode", "encode_bc", "encode_etc", "figures", "file", "ideal",
                                                     "image", "map", "object_space_host", "palette", "pattern", "prefilter", "quality", "reference",
                                                     "scene", "trace", "unchanged", "world")] + KERNELS
@@ -110,10 +110,24 @@ GATES = [
     ("copies of what does not stay at the centre", "hal/kernels/shortcuts.cpp", "&& holds(c.x0, c.y1) && holds(c.x1, c.y1)", "", "kernels", "whole_texels*", KERNELS),
     ("copies along one axis looked at", "hal/kernels/shortcuts.cpp", " && centred(p.v_at(x, y), y + 2 * v)", "", "kernels", "whole_texels*", KERNELS),
     ("copies beyond the end of the range", "hal/kernels/shortcuts.cpp", "constexpr int32_t farthest = 32000", "constexpr int32_t farthest = 40000", "kernels", "whole_texels*", KERNELS),
-    ("copies beyond a clamped map's end from its beginning", "hal/kernels/shortcuts.cpp", "row[length_u - 1]", "row[0]", "kernels", "whole_texels*", KERNELS),
+    ("copies beyond a clamped map's end from its beginning", "hal/kernels/shortcuts.cpp", "row[map.columns - 1]", "row[0]", "kernels", "whole_texels*", KERNELS),
     ("copies of a map that begins again a texel late", "hal/kernels/shortcuts.cpp", "count > 0; at = 0", "count > 0; at = 1", "kernels", "whole_texels*", KERNELS),
     ("parts of spans copied whole", "hal/kernels/shortcuts.cpp", "if (bits == a_row)", "if (bits != 0)", "kernels", "whole_texels*", KERNELS),
     ("a map of one colour but one texel filled", "hal/kernels/row_levels.cpp", "uniform_ &= texels_.back() == texels_.front();", "", "kernels", "random_planes*", KERNELS),
+    ("scaled planes: columns of the row's length", 'hal/kernels/upright.cpp', 'const span_coefficients c = mantissas(u, v, std::max(u.bits, row_bits));', 'const span_coefficients c = mantissas(u, v, row_bits);', "kernels", "spans_of_two*", KERNELS),
+    ("scaled planes: rows of the first length", "hal/kernels/upright.cpp", "if (k > 0 && at[j] != y) return false;", "", "kernels", "spans_of_two*", KERNELS),
+    ("scaled planes: the level of the first length", "hal/kernels/upright.cpp", "t.level = t.lengths.size() == 1 || t.level == level ? level : -1;", "t.level = level;", "kernels", "levels_of_two*", KERNELS),
+    ("scaled planes: turned ones", "hal/kernels/upright.cpp", "(p.u.y | p.v.x | p.w.x | p.w.y) == 0", "(p.v.x | p.w.x | p.w.y) == 0", "kernels", "planes_that*", KERNELS),
+    ("scaled planes: beyond the end of the range", "hal/kernels/upright.cpp", "if (!r.v_in_range || std::abs(r.base_v) > largest_base(kind_) || ", "if (", "kernels", "scaled_planes_at*", KERNELS),
+    ("scaled planes: rounded forms where they show", "hal/kernels/upright.cpp", "return rounding_is_small(map_,", "return true || rounding_is_small(map_,", "kernels", "scaled_planes_of*", KERNELS),
+    ("scaled planes: single texels to blend", "hal/kernels/upright.cpp", "return kind_ == filter::nearest ? nearest_texel(x, one) : blended", "return kind_ <= filter::bilinear ? nearest_texel(x, one) : blended", "kernels", "scaled_planes*", KERNELS),
+    ("scaled planes: a clamped map's end a texel early", 'hal/kernels/level_rows.hpp', 'clamp_to(u, 1 - count, columns - 1)', 'clamp_to(u, 1 - count, columns - 2)', "kernels", "scaled_planes*", KERNELS),
+    ("scaled planes: a clamped map's beginning", 'hal/kernels/level_rows.hpp', 'clamp_to(u, 1 - count, columns - 1)', 'clamp_to(u, 0, columns - 1)', "kernels", "scaled_planes*", KERNELS),
+    ("scaled planes: the coarser level taken for the finer", 'hal/kernels/vectors/upright.hpp', 'return pixels_between(fine, coarse, fraction);', 'return pixels_between(coarse, fine, fraction);', "kernels", "scaled_planes*", KERNELS),
+    ("scaled planes: a level rounded once", "hal/kernels/vectors/upright.hpp", "return pixels_of_level(fine);", "return pixels_of(fine);", "kernels", "scaled_planes*", KERNELS),
+    ("scaled planes: columns from the table's beginning", 'hal/kernels/vectors/upright.hpp', "return l.columns->prepared.data() + (work.sx", "return l.columns->prepared.data() + 0 * (work.sx", "kernels", "scaled_polygons*", KERNELS),
+    ("scaled planes: four texels for two pixels that take five", "hal/kernels/vectors/blend_rows.hpp", "> near_texels - 2)", "> near_texels - 1)", "kernels", "scaled_planes*", KERNELS),
+    ("scaled planes: mirrored pixels from the first one's texels", "hal/kernels/vectors/blend_rows.hpp", "const int32_t first = min_of(texel(n), texel(n + 1));", "const int32_t first = texel(n);", "kernels", "scaled_planes*", KERNELS),
     ("fills behind the viewer", "hal/kernels/shortcuts.cpp", "return s.map->w_at(x, y) > 0; })", "return s.map->w_at(x, y) != 0; })", "kernels", "maps_of_one*", KERNELS),
     ("a vector kernel's positions next to the range's end", "hal/kernels/kernel.hpp", "- (2 << max_extent_log2) - 2", "- (1 << max_extent_log2) - 2", "kernels", "positions_next*", KERNELS),
     ("a vector kernel's texels beyond two periods", "hal/kernels/vectors/spans.hpp", "  at = least16_unsigned(at, subtract16(at, two));\n", "", "kernels", "random_planes*", KERNELS),
@@ -459,6 +473,13 @@ if "avx512_vbmi" in pathlib.Path("/proc/cpuinfo").read_text():
         ("AVX-512: spans magnified that are not", "hal/kernels/avx512/columns.hpp", "_mm512_sub_epi64(s.exponent, set(2))", "_mm512_sub_epi64(s.exponent, set(1))", "kernels", "random_planes*", KERNELS),
         ("AVX-512: spread quads from their section", "hal/kernels/avx512/by_level.hpp", "s.fit = s.fine.fit;", "s.fit = 0xF;", "kernels", "random_planes*", KERNELS),
         ("AVX-512: sections of nine columns", "hal/kernels/avx512/sections.hpp", "of32<block_side - 1>()", "of32<block_side>()", "kernels", "random_planes*", KERNELS),
+        ("AVX-512: scaled planes in windows that are too narrow", "hal/kernels/avx512/upright.hpp", "if (last >= window) {", "if (last > window) {", "kernels", "scaled_planes*", KERNELS),
+        ("AVX-512: scaled planes wider than two windows", "hal/kernels/avx512/upright.hpp", "if (last >= 2 * window) return false;", "if (last > 2 * window) return false;", "kernels", "scaled_planes*", KERNELS),
+        ("AVX-512: pairs of spans from the row's first", "hal/kernels/avx512/upright.hpp", "span[before % 2 + k] = work.masks[k];", "span[k] = work.masks[k];", "kernels", "scaled_polygons*", KERNELS),
+        ("AVX-512: parts of pairs written whole", "hal/kernels/avx512/upright.hpp", "while (end < masks.end && masks.all(end)) ++end;", "while (end < masks.end && !masks.none(end)) ++end;", "kernels", "scaled_polygons*", KERNELS),
+        ("AVX-512: the row above taken for the one below", "hal/kernels/avx512/upright.hpp", "if (rows.lower[j] == before.from) below = before;", "if (rows.lower[j] == before.from) below = above;", "kernels", "scaled_planes*", KERNELS),
+        ("AVX-512: levels of scaled planes in 256ths", "hal/kernels/avx512/upright.hpp", "set32(row.fraction << 17 | (512 - 2 * row.fraction))", "set32(row.fraction << 16 | (512 - row.fraction))", "kernels", "scaled_planes*", KERNELS),
+        ("AVX-512: a scaled level rounded once", "hal/kernels/avx512/upright.hpp", "return as.on_one_level(x);", "return as.even(_mm512_add_epi32(_mm512_slli_epi32(x, 1), as.half));", "kernels", "scaled_planes*", KERNELS),
         ("AVX-512: two samples taken for one", "hal/kernels/avx512/aniso.hpp", ">= samples ? as_many : fewer)", ">= samples + 1 ? as_many : fewer)", "kernels", "random_planes*", KERNELS),
         ("AVX-512: third samples on the first", "hal/kernels/avx512/aniso.hpp", "max_of(n - 1 - 2 * k, 0)", "max_of(n - 1, 0)", "kernels", "random_planes*", KERNELS),
         ("AVX-512: rows' sections without their ends", "hal/kernels/avx512/aniso.hpp", "_mm512_mask_add_epi32(_mm512_sub_epi32(middle, aside), 0xFF00, middle, aside)", "middle", "kernels", "random_planes*", KERNELS),

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The vector kernel with AVX2: eight 32-bit lanes.
 #include "kernel.hpp"
+#include "level_rows.hpp"
+#include "upright.hpp"
 
 #if defined(__x86_64__)
 #include <cpuid.h>
@@ -37,6 +39,8 @@ constexpr int width = 8;
 #include "vectors/positions.hpp"
 #include "vectors/spans.hpp"
 #include "vectors/aniso.hpp"
+#include "vectors/upright.hpp"
+#include "vectors/blend_rows.hpp"
 #include "vectors/kernel.hpp"
 
 }  // namespace

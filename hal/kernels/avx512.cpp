@@ -6,6 +6,8 @@
 // so a position is rounded to coordinate_bits and then snapped in one addition and one shift; addresses in local memory are taken modulo its
 // side, so positions may wrap around in 32 bits.
 #include "kernel.hpp"
+#include "level_rows.hpp"
+#include "upright.hpp"
 
 #if defined(__x86_64__)
 #include <immintrin.h>
@@ -50,6 +52,8 @@ constexpr int width = 8;
 #include "vectors/positions.hpp"
 #include "vectors/spans.hpp"
 #include "vectors/aniso.hpp"
+#include "vectors/upright.hpp"
+#include "vectors/blend_rows.hpp"
 #include "vectors/kernel.hpp"
 }  // namespace by_rows
 
@@ -66,6 +70,7 @@ namespace by_blocks {
 #include "avx512/filters.hpp"
 #include "avx512/spans.hpp"
 #include "avx512/by_level.hpp"
+#include "avx512/upright.hpp"
 #include "avx512/aniso.hpp"
 
 // The batch from span `first` of the row on, planned in three parts, between which there is something else to do.
@@ -161,6 +166,8 @@ void draw_row(const row_work& work) {
 
 template <filter Kind>
 void draw_row(const row_work& work) {
+  if constexpr (!uses_footprint(Kind))
+    if (work.upright != nullptr) return draw_upright<Kind>(work);
   if (Kind != filter::nearest && work.texels->opaque()) draw_row<Kind, 3>(work);
   else draw_row<Kind, 4>(work);
 }

@@ -12,6 +12,8 @@ namespace spantex::kernels {
 
 inline constexpr int max_row_spans = 512;  // max_screen_side
 
+struct upright_row;
+
 struct row_work {
   const plane* map;
   const planar_map* texels;
@@ -23,6 +25,7 @@ struct row_work {
   rgba8* pixels;           // of the frame: pixel (0, 0)
   int32_t stride;
   bool* left;              // count of them, false: the kernel sets those of spans that it did not draw
+  upright_row* upright = nullptr;  // what is known of the whole row (upright.hpp), for who makes use of it
 };
 
 using row_kernel = void (*)(const row_work&);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The vector kernel with NEON, on arm64: four 32-bit lanes.
 #include "kernel.hpp"
+#include "level_rows.hpp"
+#include "upright.hpp"
 
 #if defined(__aarch64__) && !defined(__AARCH64EB__)
 #include <arm_neon.h>
@@ -29,6 +31,8 @@ constexpr int width = 4;
 #include "vectors/spans.hpp"
 #include "vectors/tables_neon.hpp"
 #include "vectors/aniso.hpp"
+#include "vectors/upright.hpp"
+#include "vectors/blend_pixels.hpp"
 #include "vectors/kernel.hpp"
 
 }  // namespace

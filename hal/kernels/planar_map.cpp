@@ -26,21 +26,13 @@ std::vector<int32_t> wrapped(int32_t before, int32_t count, const auto& of) {
 planar_map::planar_map(const texture_view& view, layout of)
     : width_(view.width()), height_(view.height()), wrap_u_(view.wrap_u()), wrap_v_(view.wrap_v()), period_u_(period(wrap_u_, width_)),
       period_v_(period(wrap_v_, height_)) {
-  levels_in_rows_ = row_levels(view);
+  levels_in_rows_ = row_levels(view, of == layout::rows_and_blocks ? texel_apron : row_apron);
   opaque_ = levels_in_rows_.opaque();
   if (of == layout::rows_and_planes && levels_in_rows_.masks_only()) planes_ = byte_planes(view, levels_in_rows_.count(), opaque_ ? 3 : 4);
   if (of == layout::rows_and_blocks) add_blocks(view);
 }
 
 void planar_map::add_blocks(const texture_view& view) {
-  rows_down_ = length_of(wrap_v_, height_);
-  row_stride_ = length_of(wrap_u_, width_) + 2 * texel_apron;
-  const std::vector<int32_t> across = wrapped(texel_apron, row_stride_, [&](int32_t u) { return view.wrapped_u(u, 0); });
-  const std::vector<int32_t> down = wrapped(texel_apron, rows_down_ + 2 * texel_apron, [&](int32_t v) { return view.wrapped_v(v, 0); });
-  rows_.reserve(across.size() * down.size());
-  for (const int32_t v : down)
-    for (const int32_t u : across) rows_.push_back(view.texel(0, u, v));
-
   size_t bytes = 0;
   std::vector<size_t> starts;
   for (int k = 0; k < view.level_count(); ++k) {

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // A map as the host kernels read it: local texture memory's layout made ready, so that filling it is a load a block. Each level is cut into
 // blocks of 8x8 texels; a block holds its four channels one after another, 64 bytes each, so that one 512-bit register is one channel of one
-// block and a byte permute is 64 of the papers' banked fetches. Level 0 is there a second time, row by row, for filters that take single texels.
+// block and a byte permute is 64 of the papers' banked fetches. Levels are there a second time, row by row, for filters that take single texels and planes of which a
+// row of pixels lies in one row of texels.
 // Around a level lies an apron with what the wrap mode says lies there.
 #pragma once
 #include <stddef.h>
@@ -30,7 +31,7 @@ struct alignas(64) planar_levels {
   int32_t ratio_u[max_planar_levels] = {}, ratio_v[max_planar_levels] = {};            // texture_view::ratio_u(); 1, which is 2^31, as 2^30
 };
 
-// What a kernel reads: all levels in rows; and of maps whose axes wrap at powers of two, planes of bytes; or blocks, and level 0 in rows with an apron.
+// What a kernel reads: all levels in rows; and of maps whose axes wrap at powers of two, planes of bytes; or blocks, and a wide apron around the rows.
 enum class layout : uint8_t { rows, rows_and_planes, rows_and_blocks };
 
 // A period is what positions may be taken modulo: the side, twice the side for mirror; 0 for clamp, where blocks are clamped instead.
@@ -41,13 +42,13 @@ class planar_map {
   bool steady() const { return steady_; }                 // blocks repeat, or are clamped, on every level
   const planar_levels& levels() const { return levels_; }
   const uint8_t* blocks() const { return blocks_.data() + skew_; }  // 64-byte aligned; values are texels ^ 0x80, signed bytes
-  const rgba8* row(int32_t y) const { return rows_.data() + int64_t(y + texel_apron) * row_stride_ + texel_apron; }  // of level 0; x and y from -texel_apron
+  const rgba8* row(int32_t y) const { return levels_in_rows_.row(0, y); }  // of level 0; layout::rows_and_blocks: x and y from -texel_apron
   const row_levels& levels_in_rows() const { return levels_in_rows_; }
   const byte_planes& planes() const { return planes_; }   // empty but for layout::rows_and_planes
   bool opaque() const { return opaque_; }                 // every texel of every level that is held has alpha 255
-  int32_t row_stride() const { return row_stride_; }
-  int32_t rows_across() const { return row_stride_ - 2 * texel_apron; }
-  int32_t rows_down() const { return rows_down_; }
+  int32_t row_stride() const { return levels_in_rows_.stride(0); }
+  int32_t rows_across() const { return levels_in_rows_.columns(0); }
+  int32_t rows_down() const { return levels_in_rows_.rows(0); }
   int32_t width() const { return width_; }
   int32_t height() const { return height_; }
   wrap wrap_u() const { return wrap_u_; }
@@ -61,11 +62,10 @@ class planar_map {
   planar_levels levels_;
   std::vector<uint8_t> blocks_;
   size_t skew_ = 0;
-  std::vector<rgba8> rows_;
   row_levels levels_in_rows_;
   byte_planes planes_;
   bool steady_ = true, opaque_ = true;
-  int32_t row_stride_ = 0, rows_down_ = 0, width_, height_;
+  int32_t width_, height_;
   wrap wrap_u_, wrap_v_;
   int32_t period_u_, period_v_;
 };

@@ -4,8 +4,6 @@
 namespace spantex::kernels {
 namespace {
 
-constexpr int32_t apron = 1;
-
 int32_t length_of(wrap mode, int32_t side) { return mode == wrap::mirror ? 2 * side : side; }
 bool power_of_two(int32_t n) { return (n & (n - 1)) == 0; }
 int32_t half(int32_t n, int shift) { return int32_t(uint32_t(n & 0xFFFF) << shift); }
@@ -14,7 +12,7 @@ static_assert(4 * (2 * max_texture_side) <= 1 << 15, "four periods of a mirrored
 
 }  // namespace
 
-row_levels::row_levels(const texture_view& view) {
+row_levels::row_levels(const texture_view& view, int32_t apron) {
   constexpr uint32_t exact = uint32_t(1) << 31;
   count_ = view.level_count();
   while (exact_count_ < count_ && view.ratio_u(exact_count_) == exact && view.ratio_v(exact_count_) == exact) ++exact_count_;
@@ -38,7 +36,7 @@ row_levels::row_levels(const texture_view& view) {
     limit_[1][k] = limit[1];
     add_axis(view.wrap_u(), view.width(k), k, 0);
     add_axis(view.wrap_v(), view.height(k), k, 16);
-    add_texels(view, k);
+    add_texels(view, k, apron);
   }
 }
 
@@ -51,8 +49,10 @@ void row_levels::add_axis(wrap mode, int32_t side, int level, int shift) {
   fields_[high][level] |= half(clamped ? side - 1 : INT16_MAX, shift);
 }
 
-void row_levels::add_texels(const texture_view& view, int level) {
-  const int32_t columns = length_of(view.wrap_u(), view.width(level)) + 2 * apron, rows = length_of(view.wrap_v(), view.height(level)) + 2 * apron;
+void row_levels::add_texels(const texture_view& view, int level, int32_t apron) {
+  columns_[level] = length_of(view.wrap_u(), view.width(level));
+  rows_[level] = length_of(view.wrap_v(), view.height(level));
+  const int32_t columns = columns_[level] + 2 * apron, rows = rows_[level] + 2 * apron;
   fields_[step][level] = half(1, 0) | half(columns, 16);
   fields_[origin][level] = int32_t(texels_.size()) + apron * (columns + 1);
   std::vector<int32_t> across;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A map as kernels read it that fetch texels from memory: each level in rows, a texel of apron around it with what the wrap mode says lies there, so
+// A map as kernels read it that fetch texels from memory: each level in rows, an apron around it with what the wrap mode says lies there, so
 // that neighbours are neighbours and a 2x2 is two loads. A mirrored axis is stored to its period.
 #pragma once
 #include <stddef.h>
@@ -11,6 +11,8 @@
 
 namespace spantex::kernels {
 
+inline constexpr int32_t row_apron = 3;  // texels on every side of a level at least
+
 // A texel's place (x, y) is two 16-bit numbers in 32 bits, x in the lower half. To wrap it on a level, half by half:
 //   min(k, k + 4 period), min(k, k - 2 period) and min(k, k - period), unsigned; & mask; max(k, low), min(k, high), signed
 // for k from -4 to 4 periods, which is what near_limit() lets through; far_limit() what 2^far_doublings times as many do, from min(k, k + 2^n 4 period) on.
@@ -20,9 +22,13 @@ class row_levels {
   enum field { period, mask, low, high, step, origin, field_count };  // step: texels from x to x + 1 and y to y + 1; origin: of texel (0, 0)
 
   row_levels() = default;
-  explicit row_levels(const texture_view& view);
+  explicit row_levels(const texture_view& view, int32_t apron = row_apron);
   const rgba8* texels() const { return texels_.data(); }
   int32_t value(field f, int level) const { return fields_[f][level]; }
+  int32_t stride(int level) const { return fields_[step][level] >> 16; }
+  const rgba8* row(int level, int32_t y) const { return texels() + fields_[origin][level] + int64_t(y) * stride(level); }  // x and y within the apron
+  int32_t columns(int level) const { return columns_[level]; }  // to a period or, clamped, to the level's end
+  int32_t rows(int level) const { return rows_[level]; }
   int count() const { return count_; }
   int exact_count() const { return exact_count_; }    // of levels whose sides halve exactly, from level 0 on
   uint32_t ratio_u(int level) const { return ratio_u_[level]; }  // texture_view::ratio_u()
@@ -39,9 +45,10 @@ class row_levels {
 
  private:
   void add_axis(wrap mode, int32_t side, int level, int shift);
-  void add_texels(const texture_view& view, int level);
+  void add_texels(const texture_view& view, int level, int32_t apron);
   int32_t fields_[field_count][most] = {};
   std::vector<rgba8> texels_;
+  int32_t columns_[most] = {}, rows_[most] = {};
   uint32_t ratio_u_[most] = {}, ratio_v_[most] = {};
   int count_ = 0, exact_count_ = 0;
   bool masks_only_ = true, opaque_ = true, uniform_ = true;

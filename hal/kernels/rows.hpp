@@ -8,6 +8,7 @@
 
 #include <hal/kernels/kernel.hpp>
 #include <hal/kernels/shortcuts.hpp>
+#include <hal/kernels/upright.hpp>
 #include <spantex/draw.hpp>
 
 namespace spantex::kernels {
@@ -29,18 +30,20 @@ status draw_rows(row_kernel kernel, const planar_map& texels, Renderer& scalar, 
   const int32_t first = area.x0 / span_side;
   const int count = (area.x1 - 1) / span_side - first + 1;
   if (count > max_row_spans) return status::bad_size;
-  const shortcut known = shortcut_of(s, texels, area);
+  upright_plane upright(s, area);
   for (int32_t sy = area.y0 / span_side; sy <= (area.y1 - 1) / span_side; ++sy) {
     row_masks row;
     bool left[max_row_spans] = {};
     counts.spans_total += uint64_t(count);
     cover(area, first, count, sy, row);
     if (row.from >= row.to) continue;
-    const row_work work{s.map, &texels, s.kind, s.texture->last_level(), first + row.from, sy, row.to - row.from, row.mask + row.from, frame.pixels, frame.stride, left + row.from};
-    if (known.how != shortcut::way::none) {
+    row_work work{s.map, &texels, s.kind, s.texture->last_level(), first + row.from, sy, row.to - row.from, row.mask + row.from, frame.pixels, frame.stride, left + row.from};
+    const int32_t y = sy * span_side;
+    if (const shortcut known = shortcut_of(s, texels, intersection(area, {area.x0, y, area.x1, y + span_side})); known.how != shortcut::way::none) {
       draw_by(known, work);
       continue;
     }
+    work.upright = upright.row(sy);
     kernel(work);
     for (int k = row.from; k < row.to; ++k) {
       if (!left[k]) continue;

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include "level_rows.hpp"
+
 namespace spantex::kernels {
 namespace {
 
@@ -46,34 +48,23 @@ bool shift_of(const plane& p, const corners& c, int32_t& u, int32_t& v) {
   return at_every(c, [&](int32_t x, int32_t y) { return centred(p.u_at(x, y), x + 2 * u) && centred(p.v_at(x, y), y + 2 * v); });
 }
 
-// Level 0 in rows, `length` texels to a period or, clamped, to the map's end: mirrored axes are stored to their period.
-struct rows_of_map {
-  const rgba8* origin;
-  int32_t stride, length_u, length_v;
-  wrap wrap_u, wrap_v;
-
-  explicit rows_of_map(const planar_map& map)
-      : origin(map.levels_in_rows().texels() + map.levels_in_rows().value(row_levels::origin, 0)), stride(map.levels_in_rows().value(row_levels::step, 0) >> 16),
-        length_u(map.wrap_u() == wrap::mirror ? 2 * map.width() : map.width()), length_v(map.wrap_v() == wrap::mirror ? 2 * map.height() : map.height()),
-        wrap_u(map.wrap_u() == wrap::mirror ? wrap::repeat : map.wrap_u()), wrap_v(map.wrap_v() == wrap::mirror ? wrap::repeat : map.wrap_v()) {}
-
-  void copy(int32_t u, int32_t v, int32_t count, rgba8* out) const {
-    const rgba8* const row = origin + int64_t(wrapped(wrap_v, v, length_v)) * stride;
-    if (wrap_u == wrap::clamp) {
-      const int32_t before = clamp_to(-u, 0, count), within = clamp_to(length_u - max_of(u, 0), 0, count - before);
-      std::fill_n(out, before, row[0]);
-      std::copy_n(row + u + before, within, out + before);
-      std::fill_n(out + before + within, count - before - within, row[length_u - 1]);
-      return;
-    }
-    for (int32_t at = wrapped(wrap_u, u, length_u); count > 0; at = 0) {
-      const int32_t n = min_of(count, length_u - at);
-      memcpy(out, row + at, size_t(n) * sizeof *out);
-      out += n;
-      count -= n;
-    }
+// `count` texels of a row from u on.
+[[gnu::always_inline]] inline void copy_texels(const level_rows& map, int32_t u, int32_t v, int32_t count, rgba8* out) {
+  const rgba8* const row = map.row(v);
+  if (map.wrap_u == wrap::clamp) {
+    const int32_t before = clamp_to(-u, 0, count), within = clamp_to(map.columns - max_of(u, 0), 0, count - before);
+    std::fill_n(out, before, row[0]);
+    std::copy_n(row + u + before, within, out + before);
+    std::fill_n(out + before + within, count - before - within, row[map.columns - 1]);
+    return;
   }
-};
+  for (int32_t at = map.column(u, 1); count > 0; at = 0) {
+    const int32_t n = min_of(count, map.columns - at);
+    memcpy(out, row + at, size_t(n) * sizeof *out);
+    out += n;
+    count -= n;
+  }
+}
 
 // Calls draw(x, y, count) for the pixels of a row of spans, as many side by side as their masks are the same whole rows.
 template <class Draw>
@@ -109,9 +100,9 @@ shortcut shortcut_of(const surface& s, const planar_map& texels, rectangle area)
 
 void draw_by(const shortcut& s, const row_work& work) {
   const auto pixel = [&](int32_t x, int32_t y) { return work.pixels + (int64_t(y) * work.stride + x); };
-  const rows_of_map map(*work.texels);
+  const level_rows map(*work.texels);
   if (s.how == shortcut::way::fill) return each_run(work, [&](int32_t x, int32_t y, int32_t count) { std::fill_n(pixel(x, y), count, *map.origin); });
-  each_run(work, [&](int32_t x, int32_t y, int32_t count) { map.copy(x + s.u, y + s.v, count, pixel(x, y)); });
+  each_run(work, [&](int32_t x, int32_t y, int32_t count) { copy_texels(map, x + s.u, y + s.v, count, pixel(x, y)); });
 }
 
 }  // namespace spantex::kernels

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The vector kernel for any machine: positions in whatever lanes the compiler makes of four 32-bit numbers, texels in 64-bit words.
 #include "kernel.hpp"
+#include "level_rows.hpp"
+#include "upright.hpp"
 
 #include <spantex/coordinates.hpp>
 #include <spantex/exp2.hpp>
@@ -23,6 +25,8 @@ constexpr int width = 4;
 #include "vectors/positions.hpp"
 #include "vectors/spans.hpp"
 #include "vectors/aniso.hpp"
+#include "vectors/upright.hpp"
+#include "vectors/blend_pixels.hpp"
 #include "vectors/kernel.hpp"
 
 }  // namespace

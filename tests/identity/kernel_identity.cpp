@@ -13,8 +13,8 @@ using namespace spantex;
 namespace {
 
 using prof = fixed_profile<profiles::standard>;
-constexpr int32_t width = 96, height = 56;
-constexpr rectangle all{0, 0, width, height}, part{3, 5, 90, 51};
+constexpr int32_t width = 96, height = 64;
+constexpr rectangle all{0, 0, width, height}, part{3, 5, 90, 59};
 
 uint64_t random_state = 7;
 uint32_t random_bits() {
@@ -52,6 +52,16 @@ plane plane_of(int k) {
   return p;
 }
 
+// Scaled along its axes, magnified to minified.
+plane scaled_plane_of(int k) {
+  const int64_t one = int64_t(1) << 30;
+  const auto some = [&](int64_t size) { return wide(int64_t(random_bits()) * size / (int64_t(1) << 30) - size); };
+  const wide none(0);
+  plane p;
+  if (make_plane({some(one << (k % 4)), none, some(100 * one), none, some(one << (k % 3)), some(100 * one), none, none, wide(one)}, all, p) != status::ok) std::abort();
+  return p;
+}
+
 struct tally { uint64_t pictures = 0, different = 0, spans = 0, left = 0; };
 
 void compare(kernels::choice which, const plane& p, const texture_view& view, filter kind, rectangle area, tally& sum) {
@@ -83,8 +93,8 @@ int main() {
     for (const auto& f : filters) {
       tally sum;
       random_state = 7;
-      for (int k = 0; k < 15; ++k) {
-        const plane p = plane_of(k);
+      for (int k = 0; k < 27; ++k) {
+        const plane p = k < 15 ? plane_of(k) : scaled_plane_of(k);
         for (const wrap w : {wrap::repeat, wrap::clamp, wrap::mirror}) compare(kernel.which, p, maps[k % 3].view(w, wrap((int(w) + k) % 3)), f.kind, all, sum);
         for (const wrap w : {wrap::repeat, wrap::mirror}) compare(kernel.which, p, opaque.view(w, wrap::repeat), f.kind, part, sum);
       }

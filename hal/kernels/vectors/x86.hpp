@@ -84,26 +84,38 @@ SPANTEX_INLINE v low_words(v x, int k) {
 struct blends { v first[2], change[2], weight[2]; };
 SPANTEX_INLINE v from_first(v x, v first) { return subtract16(x, first); }
 
-// fraction: u in the lower half of each lane, v in the upper, of 128. Weights are 128 - f and f; texels are unsigned bytes, so that the other factor is
-// signed, and the negative weights fit: from -128 on.
+// Two pixels' texels in each half of a register: two of each pixel, or four from the first one on.
+SPANTEX_INLINE v two_texels_each(const rgba8* from, const uint32_t* at) {
+#if SPANTEX_AVX2
+  return v(_mm256_inserti128_si256(_mm256_castsi128_si256(texels_of(from + at[0], from + at[1])), texels_of(from + at[4], from + at[5]), 1));
+#else
+  return v(texels_of(from + at[0], from + at[1]));
+#endif
+}
+SPANTEX_INLINE v four_texels_each(const rgba8* from, const uint32_t* at) {
+  const auto four = [&](int k) { return _mm_loadu_si128(reinterpret_cast<const __m128i*>(from + at[k])); };
+#if SPANTEX_AVX2
+  return v(_mm256_inserti128_si256(_mm256_castsi128_si256(four(0)), four(4), 1));
+#else
+  return v(four(0));
+#endif
+}
+
+// A row of texels interpolated across: as blends has them, negative. Weights are 128 - f and f; texels are unsigned bytes, so that the other factor is signed, and the negative
+// weights fit: from -128 on. shuffle: which bytes are a texel and the next, channel by channel.
+SPANTEX_INLINE v weights_across(v fraction) { return add16(fraction, subtract16(set(0x00800080), v(SPANTEX_OP(slli_epi16)(raw(fraction), 8)))); }
+SPANTEX_INLINE v across(v texels, v shuffle, v weights) { return v(SPANTEX_OP(maddubs_epi16)(SPANTEX_OP(shuffle_epi8)(raw(texels), raw(shuffle)), raw(weights))); }
+
+// fraction: u in the lower half of each lane, v in the upper, of 128.
 SPANTEX_INLINE blends blend(const rgba8* top, const uint32_t* top_at, const rgba8* bottom, const uint32_t* bottom_at, v fraction) {
-  const v weights = add16(fraction, subtract16(set(0x00800080), v(SPANTEX_OP(slli_epi16)(raw(fraction), 8))));
   const v pairs = of_each_half(_mm_setr_epi8(0, 4, 1, 5, 2, 6, 3, 7, 8, 12, 9, 13, 10, 14, 11, 15));
-  const v v_of_first = of_each_half(_mm_setr_epi8(-1, 2, -1, 2, -1, 2, -1, 2, -1, 6, -1, 6, -1, 6, -1, 6));
+  const v weights = weights_across(fraction), v_of_first = of_each_half(_mm_setr_epi8(-1, 2, -1, 2, -1, 2, -1, 2, -1, 6, -1, 6, -1, 6, -1, 6));
   blends b;
 #pragma GCC unroll 2
   for (int k = 0; k < 2; ++k) {
-    const v u = low_words(weights, k);
-    const auto row = [&](const rgba8* from, const uint32_t* at) SPANTEX_INLINED {
-#if SPANTEX_AVX2
-      const raw t = _mm256_inserti128_si256(_mm256_castsi128_si256(texels_of(from + at[0], from + at[1])), texels_of(from + at[4], from + at[5]), 1);
-#else
-      const raw t = texels_of(from + at[0], from + at[1]);
-#endif
-      return v(SPANTEX_OP(maddubs_epi16)(SPANTEX_OP(shuffle_epi8)(t, raw(pairs)), raw(u)));
-    };
-    b.first[k] = row(top, top_at + 2 * k);
-    b.change[k] = subtract16(b.first[k], row(bottom, bottom_at + 2 * k));
+    const v of_u = low_words(weights, k);
+    b.first[k] = across(two_texels_each(top, top_at + 2 * k), pairs, of_u);
+    b.change[k] = subtract16(b.first[k], across(two_texels_each(bottom, bottom_at + 2 * k), pairs, of_u));
     b.weight[k] = v(SPANTEX_OP(shuffle_epi8)(raw(fraction), raw(v_of_first + 0x08000800 * k)));
   }
   return b;

@@ -1,0 +1,269 @@
+// SPDX-License-Identifier: Apache-2.0
+// AVX-512 kernel: planes that are scaled along their axes (../upright.hpp). A row of pixels is a permutation of a row of texels, and what is interpolated along a row
+// of texels serves every row of pixels beside it. Included by ../avx512.cpp alone.
+#pragma once
+
+constexpr int window = texel_apron;  // texels that a register holds
+constexpr int pair_width = 2 * span_side;
+
+// What upright_columns have `prepared`, for each pair of spans; their way is that of the windows. Spans wider than two are left to the kernel by rows.
+//   near[2], far[2]    where the windows begin in a row of the map: one to a span, or two
+//   nearest            of sixteen pixels texels in the span's windows
+//   other filters      of each span's eight pixels: bytes in the windows as weights take them, t(0) t(1) of each channel; weights f - 128, -f of 128, negative so that both fit
+enum windows : int { one, two };
+constexpr int near_windows = 0, far_windows = 2, first_register = 4;  // 32-bit numbers
+template <bool Blend> constexpr int pair_size = first_register + 16 * (Blend ? 4 : 1);
+
+template <bool Blend>
+void prepare_pair(const int32_t (&in_window)[pair_width], const int32_t (&position)[pair_width], int32_t* to) {
+  if constexpr (!Blend) {
+    for (int i = 0; i < pair_width; ++i) to[i] = in_window[i];
+    return;
+  }
+  for (int i = 0; i < pair_width; ++i) {
+    const auto f = uint32_t(position[i] & ((1 << q.subtexel_bits) - 1)), from = uint32_t(in_window[i]) * 4;
+    int32_t* const span = to + 32 * (i / span_side) + 2 * (i % span_side);
+    span[0] = int32_t(from * 0x01010101u + 0x05010400u);
+    span[1] = int32_t(from * 0x01010101u + 0x07030602u);
+    span[16] = span[17] = int32_t(((f ^ 0x80) | (-f & 0xFF) << 8) * 0x00010001u);
+  }
+}
+
+// False if some span takes more than two windows.
+template <bool Blend>
+bool prepare_windows(const level_rows& map, upright_columns& columns) {
+  const int spans = int(columns.at.size()) / span_side, pairs = (spans + 1) / 2;
+  columns.prepared.resize(size_t(pairs * pair_size<Blend>));
+  columns.way = windows::one;
+  for (int n = 0; n < pairs; ++n) {
+    int32_t* const to = columns.prepared.data() + n * pair_size<Blend>;
+    int32_t in_window[pair_width] = {}, position[pair_width] = {};
+    for (int k = 0; k < min_of(2, spans - 2 * n); ++k) {
+      const int32_t* const at = columns.at.data() + (2 * n + k) * span_side;
+      const auto texel = [&](int i) { return Blend ? at[i] >> q.subtexel_bits : at[i]; };
+      const int32_t start = min_of(texel(0), texel(span_side - 1)), last = max_of(texel(0), texel(span_side - 1)) - start + (Blend ? 1 : 0);
+      if (last >= 2 * window) return false;
+      to[near_windows + k] = map.column(start, window);
+      if (last >= window) {
+        columns.way = windows::two;
+        to[far_windows + k] = map.column(start + window, window);
+      }
+      for (int i = 0; i < span_side; ++i) {
+        in_window[span_side * k + i] = texel(i) - start;
+        position[span_side * k + i] = at[i];
+      }
+    }
+    prepare_pair<Blend>(in_window, position, to + first_register);
+  }
+  return true;
+}
+
+// Both levels, if there are two; none if one of them does not fit.
+template <filter Kind>
+void prepare(const row_work& work, const upright_row& row) {
+  if (!row.fine.columns->prepared.empty()) return;
+  const auto fits = [&](const upright_level& l) { return prepare_windows<Kind != filter::nearest>(level_rows(*work.texels, l.level), *l.columns); };
+  if (fits(row.fine) && (row.coarse.columns->at.empty() || fits(row.coarse))) return;
+  row.fine.columns->prepared.clear();
+  row.coarse.columns->prepared.clear();
+  row.fine.columns->left = true;
+}
+
+// Pairs of spans as the table has them; bits of a row of a pair's pixels.
+struct pair_masks {
+  span_mask span[max_row_spans + 2] = {};
+  int first, end;
+  pair_masks(const row_work& work) {
+    const int before = work.sx - work.upright->fine.columns->sx;
+    first = before / 2;
+    end = (before + work.count + 1) / 2;
+    for (int k = 0; k < work.count; ++k) span[before % 2 + k] = work.masks[k];
+  }
+  SPANTEX_INLINE const span_mask* of(int n) const { return span + 2 * (n - first); }
+  SPANTEX_INLINE bool none(int n) const { return (of(n)[0] | of(n)[1]) == 0; }
+  SPANTEX_INLINE bool all(int n) const { return (of(n)[0] & of(n)[1]) == ~span_mask(0); }
+  SPANTEX_INLINE __mmask16 row(int n, int j) const { return __mmask16((of(n)[0] >> (span_side * j) & 0xFF) | (of(n)[1] >> (span_side * j) & 0xFF) << span_side); }
+};
+
+struct pixel_rows { rgba8* at; int32_t stride; };  // of a pair of spans, from its first pixel on
+
+template <bool Whole>
+SPANTEX_INLINE void write_row(const pixel_rows& to, int j, __mmask16 mask, v16 pixels) {
+  rgba8* const at = to.at + int64_t(j) * to.stride;
+  if constexpr (Whole) _mm512_storeu_si512(at, pixels);
+  else _mm512_mask_storeu_epi32(at, mask, pixels);
+}
+
+// --- nearest: sixteen pixels at a time, row by row -------------------------------------------------------
+
+template <bool Two>
+SPANTEX_INLINE v16 permuted(const rgba8* row, const int32_t* pair) {
+  const auto texels = [&](int k) { return _mm512_loadu_si512(row + pair[k]); };
+  const v16 index = _mm512_loadu_si512(pair + first_register);
+  if constexpr (!Two) {
+    const v16 second = _mm512_setr_epi32(0, 0, 0, 0, 0, 0, 0, 0, window, window, window, window, window, window, window, window);
+    return _mm512_permutex2var_epi32(texels(near_windows), _mm512_or_si512(index, second), texels(near_windows + 1));
+  }
+  return _mm512_mask_mov_epi32(_mm512_permutex2var_epi32(texels(near_windows), index, texels(far_windows)), 0xFF00,
+                               _mm512_permutex2var_epi32(texels(near_windows + 1), index, texels(far_windows + 1)));
+}
+
+template <bool Two>
+void permute_rows(const pair_masks& masks, const int32_t* pairs, const rgba8* const (&rows)[span_side], rgba8* to, int32_t stride) {
+  constexpr int size = pair_size<false>;
+  for (int n = masks.first; n < masks.end;) {
+    int end = n;
+    while (end < masks.end && masks.all(end)) ++end;
+    for (int j = 0; j < span_side; ++j)
+      for (int k = n; k < end; ++k) write_row<true>({to + pair_width * k, stride}, j, 0, permuted<Two>(rows[j], pairs + k * size));
+    for (n = end; n < masks.end && !masks.all(n); ++n)
+      for (int j = 0; j < span_side; ++j)
+        if (const __mmask16 mask = masks.row(n, j)) write_row<false>({to + pair_width * n, stride}, j, mask, permuted<Two>(rows[j], pairs + n * size));
+  }
+}
+
+// --- other filters: eight rows of sixteen pixels at a time -----------------------------------------------
+
+// A pair of spans' part of the table.
+struct column_pair {
+  const int32_t* at;
+  v16 index[2], weights[2];
+  SPANTEX_INLINE explicit column_pair(const int32_t* pair) : at(pair) {
+#pragma GCC unroll 2
+    for (int k = 0; k < 2; ++k) {
+      index[k] = held(_mm512_loadu_si512(pair + first_register + 32 * k));  // in registers: loads would be made for each row
+      weights[k] = held(_mm512_loadu_si512(pair + first_register + 32 * k + 16));
+    }
+  }
+};
+
+// Interpolated along a row of texels, each channel of a pixel in 16 bits: the negative of it, 7 bits of fraction.
+struct blended_row {
+  const rgba8* from = nullptr;
+  v16 span[2];
+};
+
+template <bool Two>
+SPANTEX_INLINE blended_row blended_along(const rgba8* row, const column_pair& pair) {
+  blended_row r;
+  r.from = row;
+#pragma GCC unroll 2
+  for (int k = 0; k < 2; ++k) {
+    const auto texels = [&](int from) { return _mm512_loadu_si512(row + pair.at[from + k]); };
+    const v16 twos = Two ? _mm512_permutex2var_epi8(texels(near_windows), pair.index[k], texels(far_windows)) : _mm512_permutexvar_epi8(pair.index[k], texels(near_windows));
+    r.span[k] = _mm512_maddubs_epi16(twos, pair.weights[k]);
+  }
+  return r;
+}
+
+// What becomes of a level's colours.
+enum class rounded { at_once, after_level, between_levels };
+constexpr int up_of(rounded how) { return how == rounded::at_once ? up_of_one : up_between; }
+
+// The rows of texels that rows of pixels lie between; weights of the negative rows: f - 128, -f of 128, times 2^Up.
+struct row_pairs {
+  const rgba8 *upper[span_side], *lower[span_side];
+  v16 weights[span_side];
+  SPANTEX_INLINE row_pairs(const planar_map& texels, const upright_level& l, int up) {
+    const level_rows map(texels, l.level);
+    for (int j = 0; j < span_side; ++j) {
+      const int32_t y = l.at[j] >> q.subtexel_bits, below = -(l.at[j] & ((1 << q.subtexel_bits) - 1)) * (1 << up), above = -(128 << up) - below;
+      upper[j] = map.row(y);
+      lower[j] = map.row(y + 1);
+      weights[j] = set32(int32_t(uint32_t(below) << 16 | (uint32_t(above) & 0xFFFF)));
+    }
+  }
+};
+
+// A pair of spans on a level, from the first row of pixels on.
+template <bool Two>
+struct level_walk {
+  const row_pairs& rows;
+  column_pair columns;
+  blended_row above, below;
+  SPANTEX_INLINE level_walk(const row_pairs& r, const int32_t* pair) : rows(r), columns(pair) {}
+
+  SPANTEX_INLINE void to(int j) {
+    const blended_row before = above;
+    if (rows.upper[j] == below.from) above = below;
+    else if (rows.upper[j] != above.from) above = blended_along<Two>(rows.upper[j], columns);
+    if (rows.lower[j] == before.from) below = before;
+    else if (rows.lower[j] != below.from) below = blended_along<Two>(rows.lower[j], columns);
+  }
+  // Of span k, the even pixels or the odd ones, a channel a lane.
+  template <bool Odd>
+  SPANTEX_INLINE v16 colours(int j, int k, v16 rounding) const {
+    const v16 a = above.span[k], b = below.span[k];
+    return _mm512_dpwssd_epi32(rounding, Odd ? _mm512_unpackhi_epi16(a, b) : _mm512_unpacklo_epi16(a, b), rows.weights[j]);
+  }
+};
+
+struct upright_levels { row_pairs fine, coarse; const int32_t *fine_pairs, *coarse_pairs; v16 weights; };
+
+template <rounded How, bool Two, bool Whole>
+SPANTEX_INLINE void blend_pair(const upright_levels& l, const pair_masks& masks, int n, const pixel_rows& to) {
+  const colouring as;
+  const v16 lane = _mm512_setr_epi32(0, 0x40, 0x10, 0x50, 0x20, 0x60, 0x30, 0x70, 0, 0x40, 0x10, 0x50, 0x20, 0x60, 0x30, 0x70);
+  const v16 thirds = _mm512_add_epi8(_mm512_mullo_epi32(lane, set32(0x01010101)), set32(0x0E0A0602));  // of even pixels' channels, then of odd ones': pixels
+  const v16 rounding = How == rounded::at_once ? as.half : of32<1 << 7>();
+  level_walk<Two> fine(l.fine, l.fine_pairs + n * pair_size<true>), coarse(l.coarse, l.coarse_pairs + n * pair_size<true>);
+  for (int j = 0; j < span_side; ++j) {
+    fine.to(j);
+    if constexpr (How == rounded::between_levels) coarse.to(j);
+    const auto pixels = [&]<bool Odd>(int k) SPANTEX_INLINED {
+      const v16 x = fine.template colours<Odd>(j, k, rounding);
+      if constexpr (How == rounded::at_once) return as.even(x);
+      else if constexpr (How == rounded::after_level) return as.on_one_level(x);
+      else return as.between_levels(x, coarse.template colours<Odd>(j, k, rounding), l.weights);
+    };
+    v16 colours[2];
+#pragma GCC unroll 2
+    for (int k = 0; k < 2; ++k) colours[k] = _mm512_permutex2var_epi8(pixels.template operator()<false>(k), thirds, pixels.template operator()<true>(k));
+    write_row<Whole>(to, j, Whole ? 0 : masks.row(n, j), _mm512_mask_mov_epi64(colours[0], 0xF0, colours[1]));
+  }
+}
+
+template <rounded How, bool Two>
+void blend_rows(const pair_masks& masks, const upright_levels& l, rgba8* to, int32_t stride) {
+  for (int n = masks.first; n < masks.end; ++n) {
+    const pixel_rows at{to + pair_width * n, stride};
+    if (masks.all(n)) blend_pair<How, Two, true>(l, masks, n, at);
+    else if (!masks.none(n)) blend_pair<How, Two, false>(l, masks, n, at);
+  }
+}
+
+template <rounded How>
+void draw_levels(const row_work& work, const upright_row& row, bool two_windows) {
+  const pair_masks masks(work);
+  rgba8* const to = first_of_span(work, row.fine.columns->sx);
+  const upright_level& other = How == rounded::between_levels ? row.coarse : row.fine;
+  const upright_levels l{{*work.texels, row.fine, up_of(How)}, {*work.texels, other, up_of(How)}, row.fine.columns->prepared.data(), other.columns->prepared.data(),
+                         set32(row.fraction << 17 | (512 - 2 * row.fraction))};
+  if (two_windows) blend_rows<How, true>(masks, l, to, work.stride);
+  else blend_rows<How, false>(masks, l, to, work.stride);
+}
+
+// --- rows of spans ---------------------------------------------------------------------------------------
+
+template <filter Kind>
+void draw_upright(const row_work& work) {
+  const upright_row& row = *work.upright;
+  if (!row.fine.columns->left) prepare<Kind>(work, row);
+  if (row.fine.columns->left) return by_rows::draw_upright<Kind>(work);
+  const bool two_windows = max_of(row.fine.columns->way, row.coarse.columns->way) == windows::two;
+  if constexpr (Kind == filter::nearest) {
+    const level_rows map(*work.texels);
+    const rgba8* rows[span_side];
+    for (int j = 0; j < span_side; ++j) rows[j] = map.row(row.fine.at[j]);
+    rgba8* const to = first_of_span(work, row.fine.columns->sx);
+    const int32_t* const pairs = row.fine.columns->prepared.data();
+    if (two_windows) permute_rows<true>(pair_masks(work), pairs, rows, to, work.stride);
+    else permute_rows<false>(pair_masks(work), pairs, rows, to, work.stride);
+  } else if (Kind != filter::trilinear) {
+    draw_levels<rounded::at_once>(work, row, two_windows);
+  } else if (row.fraction == 0) {
+    draw_levels<rounded::after_level>(work, row, two_windows);
+  } else {
+    draw_levels<rounded::between_levels>(work, row, two_windows);
+  }
+}
