@@ -25,7 +25,7 @@ void prepare_pair(const int32_t (&in_window)[pair_width], const int32_t (&positi
     int32_t* const span = to + 32 * (i / span_side) + 2 * (i % span_side);
     span[0] = int32_t(from * 0x01010101u + 0x05010400u);
     span[1] = int32_t(from * 0x01010101u + 0x07030602u);
-    span[16] = span[17] = int32_t(((f ^ 0x80) | (-f & 0xFF) << 8) * 0x00010001u);
+    span[16] = span[17] = int32_t(((f ^ 0x80) | ((256 - f) & 0xFF) << 8) * 0x00010001u);
   }
 }
 
