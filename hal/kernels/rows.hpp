@@ -30,6 +30,7 @@ status draw_rows(row_kernel kernel, const planar_map& texels, Renderer& scalar, 
   const int32_t first = area.x0 / span_side;
   const int count = (area.x1 - 1) / span_side - first + 1;
   if (count > max_row_spans) return status::bad_size;
+  const shortcut everywhere = shortcut_of(s, texels, area);
   upright_plane upright(s, area);
   for (int32_t sy = area.y0 / span_side; sy <= (area.y1 - 1) / span_side; ++sy) {
     row_masks row;
@@ -39,7 +40,8 @@ status draw_rows(row_kernel kernel, const planar_map& texels, Renderer& scalar, 
     if (row.from >= row.to) continue;
     row_work work{s.map, &texels, s.kind, s.texture->last_level(), first + row.from, sy, row.to - row.from, row.mask + row.from, frame.pixels, frame.stride, left + row.from};
     const int32_t y = sy * span_side;
-    if (const shortcut known = shortcut_of(s, texels, intersection(area, {area.x0, y, area.x1, y + span_side})); known.how != shortcut::way::none) {
+    const shortcut known = everywhere.how != shortcut::way::none ? everywhere : shortcut_of(s, texels, intersection(area, {area.x0, y, area.x1, y + span_side}));
+    if (known.how != shortcut::way::none) {
       draw_by(known, work);
       continue;
     }
