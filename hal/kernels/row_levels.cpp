@@ -12,7 +12,7 @@ static_assert(4 * (2 * max_texture_side) <= 1 << 15, "four periods of a mirrored
 
 }  // namespace
 
-row_levels::row_levels(const texture_view& view, int32_t apron) {
+row_levels::row_levels(const texture_view& view, int32_t apron) : apron_(apron) {
   constexpr uint32_t exact = uint32_t(1) << 31;
   count_ = view.level_count();
   while (exact_count_ < count_ && view.ratio_u(exact_count_) == exact && view.ratio_v(exact_count_) == exact) ++exact_count_;
@@ -36,7 +36,7 @@ row_levels::row_levels(const texture_view& view, int32_t apron) {
     limit_[1][k] = limit[1];
     add_axis(view.wrap_u(), view.width(k), k, 0);
     add_axis(view.wrap_v(), view.height(k), k, 16);
-    add_texels(view, k, apron);
+    add_texels(view, k);
   }
 }
 
@@ -49,17 +49,17 @@ void row_levels::add_axis(wrap mode, int32_t side, int level, int shift) {
   fields_[high][level] |= half(clamped ? side - 1 : INT16_MAX, shift);
 }
 
-void row_levels::add_texels(const texture_view& view, int level, int32_t apron) {
+void row_levels::add_texels(const texture_view& view, int level) {
   columns_[level] = length_of(view.wrap_u(), view.width(level));
   rows_[level] = length_of(view.wrap_v(), view.height(level));
-  const int32_t columns = columns_[level] + 2 * apron, rows = rows_[level] + 2 * apron;
+  const int32_t columns = columns_[level] + 2 * apron_, rows = rows_[level] + 2 * apron_;
   fields_[step][level] = half(1, 0) | half(columns, 16);
-  fields_[origin][level] = int32_t(texels_.size()) + apron * (columns + 1);
+  fields_[origin][level] = int32_t(texels_.size()) + apron_ * (columns + 1);
   std::vector<int32_t> across;
-  for (int32_t x = 0; x < columns; ++x) across.push_back(view.wrapped_u(x - apron, level));
+  for (int32_t x = 0; x < columns; ++x) across.push_back(view.wrapped_u(x - apron_, level));
   texels_.reserve(texels_.size() + size_t(columns) * size_t(rows));
   for (int32_t y = 0; y < rows; ++y) {
-    const int32_t v = view.wrapped_v(y - apron, level);
+    const int32_t v = view.wrapped_v(y - apron_, level);
     for (const int32_t u : across) {
       texels_.push_back(view.texel(level, u, v));
       opaque_ &= texels_.back().a == 255;

@@ -29,6 +29,7 @@ class row_levels {
   const rgba8* row(int level, int32_t y) const { return texels() + fields_[origin][level] + int64_t(y) * stride(level); }  // x and y within the apron
   int32_t columns(int level) const { return columns_[level]; }  // to a period or, clamped, to the level's end
   int32_t rows(int level) const { return rows_[level]; }
+  int32_t apron() const { return apron_; }
   int count() const { return count_; }
   int exact_count() const { return exact_count_; }    // of levels whose sides halve exactly, from level 0 on
   uint32_t ratio_u(int level) const { return ratio_u_[level]; }  // texture_view::ratio_u()
@@ -45,11 +46,12 @@ class row_levels {
 
  private:
   void add_axis(wrap mode, int32_t side, int level, int shift);
-  void add_texels(const texture_view& view, int level, int32_t apron);
+  void add_texels(const texture_view& view, int level);
   int32_t fields_[field_count][most] = {};
   std::vector<rgba8> texels_;
   int32_t columns_[most] = {}, rows_[most] = {};
   uint32_t ratio_u_[most] = {}, ratio_v_[most] = {};
+  int32_t apron_ = 0;
   int count_ = 0, exact_count_ = 0;
   bool masks_only_ = true, opaque_ = true, uniform_ = true;
   int32_t modulo_u_ = 0, modulo_v_ = 0, limit_[2][most] = {}, far_doublings_ = 0;

@@ -50,7 +50,7 @@ bool shift_of(const plane& p, const corners& c, int32_t& u, int32_t& v) {
 
 // `count` texels of a row from u on.
 [[gnu::always_inline]] inline void copy_texels(const level_rows& map, int32_t u, int32_t v, int32_t count, rgba8* out) {
-  const rgba8* const row = map.row(v);
+  const rgba8* const row = map.row(v) + map.apron;
   if (map.wrap_u == wrap::clamp) {
     const int32_t before = clamp_to(-u, 0, count), within = clamp_to(map.columns - max_of(u, 0), 0, count - before);
     std::fill_n(out, before, row[0]);
@@ -58,7 +58,7 @@ bool shift_of(const plane& p, const corners& c, int32_t& u, int32_t& v) {
     std::fill_n(out + before + within, count - before - within, row[map.columns - 1]);
     return;
   }
-  for (int32_t at = map.column(u, 1); count > 0; at = 0) {
+  for (int32_t at = map.column(u, 1) - map.apron; count > 0; at = 0) {
     const int32_t n = min_of(count, map.columns - at);
     memcpy(out, row + at, size_t(n) * sizeof *out);
     out += n;

@@ -5,6 +5,7 @@
 
 #include <spantex/datapath.hpp>
 #include "kernel.hpp"
+#include "level_rows.hpp"
 
 namespace spantex::kernels {
 namespace {
@@ -21,6 +22,16 @@ constexpr int least_rows = 8;  // of spans: fewer are drawn sooner one by one
 bool drawn_so(filter kind) { return draws(kind) && !uses_footprint(kind); }
 
 }  // namespace
+
+rows_between::rows_between(const planar_map& texels, const upright_level& l) {
+  const level_rows map(texels, l.level);
+  for (int j = 0; j < span_side; ++j) {
+    const int32_t y = l.at[j] >> by.subtexel_bits;
+    upper[j] = map.row(y);
+    lower[j] = map.row(y + 1);
+    fraction[j] = l.at[j] & ((1 << by.subtexel_bits) - 1);
+  }
+}
 
 upright_plane::upright_plane(const surface& s, rectangle area)
     : map_(*s.map), texture_(*s.texture), kind_(s.kind), sx_(area.x0 / span_side), end_((area.x1 - 1) / span_side + 1), sy_(area.y0 / span_side),

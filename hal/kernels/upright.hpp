@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <spantex/draw.hpp>
+#include "planar_map.hpp"
 
 namespace spantex::kernels {
 
@@ -31,6 +32,13 @@ struct upright_level {
 struct upright_row {
   upright_level fine, coarse;  // fine alone where the fraction is 0
   int32_t fraction;            // of 2^level_bits
+};
+
+// The rows of texels that the rows of pixels lie between, and how far below the upper ones, of 2^subtexel_bits.
+struct rows_between {
+  const rgba8 *upper[span_side], *lower[span_side];
+  int32_t fraction[span_side];
+  rows_between(const planar_map& texels, const upright_level& l);
 };
 
 // Of a surface, profile default. Tables are made when the first row is asked for.

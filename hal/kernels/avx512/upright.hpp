@@ -138,15 +138,11 @@ struct column_pair {
 };
 
 // Interpolated along a row of texels, each channel of a pixel in 16 bits: the negative of it, 7 bits of fraction.
-struct blended_row {
-  const rgba8* from = nullptr;
-  v16 span[2];
-};
+struct blended_row { v16 span[2]; };
 
 template <bool Two>
 SPANTEX_INLINE blended_row blended_along(const rgba8* row, const column_pair& pair) {
   blended_row r;
-  r.from = row;
 #pragma GCC unroll 2
   for (int k = 0; k < 2; ++k) {
     const auto texels = [&](int from) { return _mm512_loadu_si512(row + pair.at[from + k]); };
@@ -156,20 +152,14 @@ SPANTEX_INLINE blended_row blended_along(const rgba8* row, const column_pair& pa
   return r;
 }
 
-// What becomes of a level's colours.
-enum class rounded { at_once, after_level, between_levels };
+using by_rows::rounded;
 constexpr int up_of(rounded how) { return how == rounded::at_once ? up_of_one : up_between; }
 
-// The rows of texels that rows of pixels lie between; weights of the negative rows: f - 128, -f of 128, times 2^Up.
-struct row_pairs {
-  const rgba8 *upper[span_side], *lower[span_side];
-  v16 weights[span_side];
-  SPANTEX_INLINE row_pairs(const planar_map& texels, const upright_level& l, int up) {
-    const level_rows map(texels, l.level);
+struct upright_rows : rows_between {
+  v16 weights[span_side];  // of the negative rows: f - 128, -f of 128, times 2^up
+  SPANTEX_INLINE upright_rows(const planar_map& texels, const upright_level& l, int up) : rows_between(texels, l) {
     for (int j = 0; j < span_side; ++j) {
-      const int32_t y = l.at[j] >> q.subtexel_bits, below = -(l.at[j] & ((1 << q.subtexel_bits) - 1)) * (1 << up), above = -(128 << up) - below;
-      upper[j] = map.row(y);
-      lower[j] = map.row(y + 1);
+      const int32_t below = -fraction[j] * (1 << up), above = -(128 << up) - below;
       weights[j] = set32(int32_t(uint32_t(below) << 16 | (uint32_t(above) & 0xFFFF)));
     }
   }
@@ -178,27 +168,23 @@ struct row_pairs {
 // A pair of spans on a level, from the first row of pixels on.
 template <bool Two>
 struct level_walk {
-  const row_pairs& rows;
+  const upright_rows& rows;
   column_pair columns;
-  blended_row above, below;
-  SPANTEX_INLINE level_walk(const row_pairs& r, const int32_t* pair) : rows(r), columns(pair) {}
+  by_rows::two_rows<blended_row> two;
+  SPANTEX_INLINE level_walk(const upright_rows& r, const int32_t* pair) : rows(r), columns(pair) {}
 
   SPANTEX_INLINE void to(int j) {
-    const blended_row before = above;
-    if (rows.upper[j] == below.from) above = below;
-    else if (rows.upper[j] != above.from) above = blended_along<Two>(rows.upper[j], columns);
-    if (rows.lower[j] == before.from) below = before;
-    else if (rows.lower[j] != below.from) below = blended_along<Two>(rows.lower[j], columns);
+    two.to(rows.upper[j], rows.lower[j], [&](const rgba8* row) SPANTEX_INLINED { return blended_along<Two>(row, columns); });
   }
   // Of span k, the even pixels or the odd ones, a channel a lane.
   template <bool Odd>
   SPANTEX_INLINE v16 colours(int j, int k, v16 rounding) const {
-    const v16 a = above.span[k], b = below.span[k];
+    const v16 a = two.above.span[k], b = two.below.span[k];
     return _mm512_dpwssd_epi32(rounding, Odd ? _mm512_unpackhi_epi16(a, b) : _mm512_unpacklo_epi16(a, b), rows.weights[j]);
   }
 };
 
-struct upright_levels { row_pairs fine, coarse; const int32_t *fine_pairs, *coarse_pairs; v16 weights; };
+struct upright_levels { upright_rows fine, coarse; const int32_t *fine_pairs, *coarse_pairs; v16 weights; };
 
 template <rounded How, bool Two, bool Whole>
 SPANTEX_INLINE void blend_pair(const upright_levels& l, const pair_masks& masks, int n, const pixel_rows& to) {

@@ -17,7 +17,7 @@ void prepare_blends(const row_work& work, const upright_level& l) {
   const auto texel = [&](int n) { return at[n] >> q.subtexel_bits; };
   l.columns->way = near_pairs;
   for (size_t k = 0; k < l.columns->at.size(); k += 2)
-    if (std::abs((at[k] >> q.subtexel_bits) - (at[k + 1] >> q.subtexel_bits)) > near_texels - 2) l.columns->way = far_pairs;
+    if (std::abs(texel(int(k)) - texel(int(k) + 1)) > near_texels - 2) l.columns->way = far_pairs;
   to.resize(l.columns->at.size() / width * numbers_of_columns);
   for (int32_t* columns = to.data(); columns < to.data() + to.size(); columns += numbers_of_columns, at += width) {
     alignas(sizeof(v)) int32_t fraction[width];
@@ -30,7 +30,7 @@ void prepare_blends(const row_work& work, const upright_level& l) {
       int32_t* const shuffle = columns + first_shuffle + (n % 4) / 2 * width + n / 4 * 4;
       for (int m = 0; m < 2; ++m) {
         const bool near = l.columns->way == near_pairs;
-        columns[n + m] = map.column(near ? first : texel(n + m), near ? near_texels : 2) + row_apron;
+        columns[n + m] = map.column(near ? first : texel(n + m), near ? near_texels : 2);
         const uint32_t from = uint32_t(near ? texel(n + m) - first : 2 * m) * 0x04040404u;
         shuffle[2 * m] = int32_t(from + 0x05010400u);
         shuffle[2 * m + 1] = int32_t(from + 0x07030602u);
@@ -39,37 +39,41 @@ void prepare_blends(const row_work& work, const upright_level& l) {
   }
 }
 
-// The rows of texels that rows of pixels lie between.
-struct upright_rows {
-  const rgba8 *upper[span_side], *lower[span_side];
-  v weights[span_side];  // of the lower one, of 2^15
-  upright_rows(const row_work& work, const upright_level& l) {
-    const level_rows map(*work.texels, l.level);
-    for (int j = 0; j < span_side; ++j) {
-      const int32_t y = l.at[j] >> q.subtexel_bits, f = l.at[j] & ((1 << q.subtexel_bits) - 1);
-      upper[j] = from_apron(map.row(y));
-      lower[j] = from_apron(map.row(y + 1));
-      weights[j] = set(f << 24 | f << 8);
-    }
+struct upright_rows : rows_between {
+  v weights[span_side];  // of the lower row, of 2^15
+  upright_rows(const row_work& work, const upright_level& l) : rows_between(*work.texels, l) {
+    for (int j = 0; j < span_side; ++j) weights[j] = set(fraction[j] << 24 | fraction[j] << 8);
   }
 };
 
-struct blended_row {
-  const rgba8* from = nullptr;
-  v pixels[2];
+// What along(row) interpolates along two rows of texels: the next row of pixels lies between the same, or takes over one of them.
+template <class Colours>
+struct two_rows {
+  const rgba8 *upper = nullptr, *lower = nullptr;
+  Colours above, below;
+  SPANTEX_INLINE void to(const rgba8* next_upper, const rgba8* next_lower, auto&& along) {
+    const Colours before = above;
+    if (next_upper == lower) above = below;
+    else if (next_upper != upper) above = along(next_upper);
+    if (next_lower == upper) below = before;
+    else if (next_lower != lower) below = along(next_lower);
+    upper = next_upper;
+    lower = next_lower;
+  }
 };
+
+struct blended_row { v pixels[2]; };
 
 // `width` columns of pixels on a level, from the first row on.
 template <bool Near>
 struct level_walk {
   const upright_rows& rows;
   const int32_t* columns;
-  blended_row above, below;
+  two_rows<blended_row> two;
   SPANTEX_INLINE level_walk(const upright_rows& r, const int32_t* c) : rows(r), columns(c) {}
 
   SPANTEX_INLINE blended_row along(const rgba8* from) const {
     blended_row r;
-    r.from = from;
 #pragma GCC unroll 2
     for (int k = 0; k < 2; ++k) {
       const uint32_t* const at = reinterpret_cast<const uint32_t*>(columns) + 2 * k;
@@ -79,16 +83,12 @@ struct level_walk {
     return r;
   }
   SPANTEX_INLINE blends to(int j) {
-    const blended_row before = above;
-    if (rows.upper[j] == below.from) above = below;
-    else if (rows.upper[j] != above.from) above = along(rows.upper[j]);
-    if (rows.lower[j] == before.from) below = before;
-    else if (rows.lower[j] != below.from) below = along(rows.lower[j]);
+    two.to(rows.upper[j], rows.lower[j], [&](const rgba8* from) SPANTEX_INLINED { return along(from); });
     blends b;
 #pragma GCC unroll 2
     for (int n = 0; n < 2; ++n) {
-      b.first[n] = above.pixels[n];
-      b.change[n] = subtract16(above.pixels[n], below.pixels[n]);
+      b.first[n] = two.above.pixels[n];
+      b.change[n] = subtract16(two.above.pixels[n], two.below.pixels[n]);
       b.weight[n] = rows.weights[j];
     }
     return b;

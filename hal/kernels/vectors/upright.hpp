@@ -2,14 +2,11 @@
 // Vector kernels: planes that are scaled along their axes (../upright.hpp). Included by the machines' files alone.
 #pragma once
 
-// Rows count from their apron's first texel, so that no column is negative.
-SPANTEX_INLINE const rgba8* from_apron(const rgba8* row) { return row - row_apron; }
-
 // What upright_columns have `prepared` of single texels: each column's place in a row of the map.
 void prepare_texels(const row_work& work, const upright_level& l) {
   if (!l.columns->prepared.empty()) return;
   const level_rows map(*work.texels, l.level);
-  for (const int32_t at : l.columns->at) l.columns->prepared.push_back(map.column(at, 1) + row_apron);
+  for (const int32_t at : l.columns->at) l.columns->prepared.push_back(map.column(at, 1));
 }
 
 // From the first column of the row of spans on: so many numbers for `pixels` columns.
@@ -50,7 +47,7 @@ void draw_upright(const row_work& work) {
     const level_rows map(*work.texels);
     const uint32_t* const place = reinterpret_cast<const uint32_t*>(prepared_columns(work, row.fine, 1, 1));
     for (int j = 0; j < span_side; ++j) {
-      const rgba8* const from = from_apron(map.row(row.fine.at[j]));
+      const rgba8* const from = map.row(row.fine.at[j]);
       write_row(work, j, [&](int x) SPANTEX_INLINED { return texels_at(from, place + x); });
     }
     return;
