@@ -17,10 +17,22 @@ namespace {
 struct band { int32_t y0, y1; };  // pixel rows; whole span rows
 constexpr int bands_a_thread = 16;
 
-// A simulated machine a thread; the direct engine takes shorter bands, since rows near a horizon cost more than others.
-std::vector<band> make_bands(int height, const draw_options& o) {
-  const int wanted = o.sink != nullptr ? 1 : o.engine == engine_choice::direct && o.threads > 1 ? bands_a_thread * o.threads : o.threads;
-  const int rows = (height + span_side - 1) / span_side, count = std::clamp(wanted, 1, rows);
+int span_rows(const scene& s) { return (s.size.height_px + span_side - 1) / span_side; }
+
+// Planes without perspective. Kernels plan them as a whole where bands are high enough.
+bool rows_cost_alike(const scene& s) {
+  return std::all_of(s.items.begin(), s.items.end(), [](const drawable& item) { return !item.is_polygon && (item.shape.map.w.x | item.shape.map.w.y) == 0; });
+}
+
+// A simulated machine a thread; the direct engine takes shorter bands where some rows, as those near a horizon, cost more than others.
+int count_bands(const scene& s, const draw_options& o) {
+  if (o.sink != nullptr) return 1;
+  if (o.engine != engine_choice::direct || o.threads == 1) return o.threads;
+  return rows_cost_alike(s) ? std::min(o.threads, span_rows(s) / kernels::upright_plane::least_rows) : bands_a_thread * o.threads;
+}
+
+std::vector<band> make_bands(const scene& s, const draw_options& o) {
+  const int height = s.size.height_px, rows = span_rows(s), count = std::clamp(count_bands(s, o), 1, rows);
   std::vector<band> bands;
   for (int k = 0; k < count; ++k)
     bands.push_back({rows * k / count * span_side, std::min(height, rows * (k + 1) / count * span_side)});
@@ -343,7 +355,7 @@ draw_result draw(const scene& all, const draw_options& options, frame_before* be
     depth = before->depth();
   }
   const double ns_to_compare = std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now() - begun).count();
-  const std::vector<band> bands = make_bands(s.size.height_px, options);
+  const std::vector<band> bands = make_bands(s, options);
   thread_team team(std::min(options.threads, int(bands.size())));
   const prepared ready = prepare(s, options);
   if (ready.kernel != nullptr) result.kernel = name_of(kernel_names, kernels::resolved(options.kernel));
@@ -370,7 +382,7 @@ draw_result draw(const scene& all, const draw_options& options, frame_before* be
 
 int draw_parts(const scene& s, const draw_options& options) {
   if (options.space == sampling_space::object) return 0;
-  const int bands = int(make_bands(s.size.height_px, options).size()), rows = (s.size.height_px + span_side - 1) / span_side;
+  const int bands = int(make_bands(s, options).size()), rows = span_rows(s);
   int parts = 0;
   for (const drawable& item : s.items) parts += item.is_polygon ? bands : rows;
   return parts * std::max(1, options.repeat);

@@ -18,7 +18,6 @@ int32_t centre(int32_t span) { return (2 * span + 1) * span_side; }  // half pix
 int bits_of(int64_t c, int64_t step) { return bit_length(magnitude(c) + reach * magnitude(step)); }
 // W below 2 leaves no room for its slope (coordinates_within()), though there is none.
 bool upright(const plane& p) { return (p.u.y | p.v.x | p.w.x | p.w.y) == 0 && p.w.c >= 2; }
-constexpr int least_rows = 8;  // of spans: fewer are drawn sooner one by one
 bool drawn_so(filter kind) { return draws(kind) && !uses_footprint(kind); }
 
 }  // namespace
