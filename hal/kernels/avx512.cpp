@@ -166,8 +166,6 @@ void draw_row(const row_work& work) {
 
 template <filter Kind>
 void draw_row(const row_work& work) {
-  if constexpr (!uses_footprint(Kind))
-    if (work.upright != nullptr) return draw_upright<Kind>(work);
   if (Kind != filter::nearest && work.texels->opaque()) draw_row<Kind, 3>(work);
   else draw_row<Kind, 4>(work);
 }
@@ -177,6 +175,8 @@ void draw_row(const row_work& work) {
 // What local memory does not hold is drawn from the map's rows.
 template <filter Kind>
 void draw_row(const row_work& work) {
+  if constexpr (!uses_footprint(Kind))
+    if (work.upright != nullptr) return by_blocks::draw_upright<Kind>(work);
   by_blocks::draw_row<Kind>(work);
   span_mask rest[max_row_spans];
   int from = work.count, to = 0;

@@ -25,7 +25,7 @@ struct row_work {
   rgba8* pixels;           // of the frame: pixel (0, 0)
   int32_t stride;
   bool* left;              // count of them, false: the kernel sets those of spans that it did not draw
-  upright_row* upright = nullptr;  // what is known of the whole row (upright.hpp), for who makes use of it
+  upright_row* upright = nullptr;  // what is known of the whole row (upright.hpp): then it draws all of them
 };
 
 using row_kernel = void (*)(const row_work&);

@@ -34,7 +34,7 @@ status draw_rows(row_kernel kernel, const planar_map& texels, Renderer& scalar, 
   upright_plane upright(s, area);
   for (int32_t sy = area.y0 / span_side; sy <= (area.y1 - 1) / span_side; ++sy) {
     row_masks row;
-    bool left[max_row_spans] = {};
+    bool left[max_row_spans];
     counts.spans_total += uint64_t(count);
     cover(area, first, count, sy, row);
     if (row.from >= row.to) continue;
@@ -46,7 +46,9 @@ status draw_rows(row_kernel kernel, const planar_map& texels, Renderer& scalar, 
       continue;
     }
     work.upright = upright.row(sy);
+    if (work.upright == nullptr) std::fill_n(work.left, work.count, false);
     kernel(work);
+    if (work.upright != nullptr) continue;
     for (int k = row.from; k < row.to; ++k) {
       if (!left[k]) continue;
       --counts.jobs;

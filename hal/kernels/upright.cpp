@@ -57,17 +57,21 @@ void upright_plane::find_columns() {
   most_bits_ = most->bits;
 }
 
-// coordinates_within() of a span whose extent has so many bits; w is 1 everywhere.
-span_coefficients upright_plane::mantissas(const column& u, const column& v, int bits) const {
+// coordinates_within() of a span whose extent has so many bits, by axis; w is 1 everywhere.
+span_coefficients upright_plane::span_of(const column* u, const column* v, int bits) const {
   const int exponent = mantissa_exponent(by, bits - w_bits_ + 1), drop = std::max(0, bits - 31);
   const auto mantissa = [&](int64_t n) { return quotient(n, drop, inverse_w_, exponent); };
   span_coefficients c{};
-  c.base_u = u.base;
-  c.base_v = v.base;
-  c.c_u = mantissa(u.c);
-  c.a_u = mantissa(map_.u.x);
-  c.c_v = mantissa(v.c);
-  c.b_v = mantissa(map_.v.y);
+  if (u != nullptr) {
+    c.base_u = u->base;
+    c.c_u = mantissa(u->c);
+    c.a_u = mantissa(map_.u.x);
+  }
+  if (v != nullptr) {
+    c.base_v = v->base;
+    c.c_v = mantissa(v->c);
+    c.b_v = mantissa(map_.v.y);
+  }
   c.exponent = int8_t(exponent);
   c.how = evaluation::affine;
   c.last_level = uint8_t(texture_.last_level());
@@ -78,10 +82,10 @@ int32_t upright_plane::on_level(coordinate x, uint32_t ratio, bool one, int leve
   return kind_ == filter::nearest ? nearest_texel(x, one) : blended(x, ratio, one, level, by);
 }
 
-void upright_plane::place_columns(const column& v, int row_bits, int level, upright_columns& out) const {
+void upright_plane::place_columns(int row_bits, int level, upright_columns& out) const {
   out.sx = sx_;
   for (const column& u : columns_) {
-    const span_coefficients c = mantissas(u, v, std::max(u.bits, row_bits));
+    const span_coefficients c = span_of(&u, nullptr, std::max(u.bits, row_bits));
     for (int i = 0; i < span_side; ++i) out.at.push_back(on_level(position_at(prof{}, c, i, 0).u, texture_.ratio_u(level), texture_.width(level) == 1, level));
   }
 }
@@ -89,7 +93,7 @@ void upright_plane::place_columns(const column& v, int row_bits, int level, upri
 // False if spans of other lengths have others.
 bool upright_plane::place_rows(const column& v, const table& t, int level, int32_t (&at)[span_side]) const {
   for (size_t k = 0; k < t.lengths.size(); ++k) {
-    const span_coefficients c = mantissas({}, v, t.lengths[k]);  // no column's: some are of other lengths
+    const span_coefficients c = span_of(nullptr, &v, t.lengths[k]);
     for (int j = 0; j < span_side; ++j) {
       const int32_t y = on_level(position_at(prof{}, c, 0, j).v, texture_.ratio_v(level), texture_.height(level) == 1, level);
       if (k > 0 && at[j] != y) return false;
@@ -109,15 +113,15 @@ upright_plane::table& upright_plane::table_of(const column& v, int row_bits) {
     if (std::find(t.lengths.begin(), t.lengths.end(), bits) != t.lengths.end()) continue;
     t.lengths.push_back(bits);
     if (!uses_levels(kind_)) continue;
-    span_coefficients c = mantissas(u, v, bits);
+    span_coefficients c = span_of(&u, &v, bits);
     span_levels(by, c);
     const int32_t level = level_at(prof{}, c, 0, 0);
     t.level = t.lengths.size() == 1 || t.level == level ? level : -1;
     if (t.level < 0) return t;
   }
   const int fine = integer_level(kind_, t.level, by.level_bits, texture_.last_level());
-  place_columns(v, row_bits, fine, t.fine);
-  if (uses_two_levels(kind_) && fine < texture_.last_level()) place_columns(v, row_bits, fine + 1, t.coarse);
+  place_columns(row_bits, fine, t.fine);
+  if (uses_two_levels(kind_) && fine < texture_.last_level()) place_columns(row_bits, fine + 1, t.coarse);
   return t;
 }
 

@@ -71,12 +71,13 @@ void prepare(const row_work& work, const upright_row& row) {
 
 // Pairs of spans as the table has them; bits of a row of a pair's pixels.
 struct pair_masks {
-  span_mask span[max_row_spans + 2] = {};
+  span_mask span[max_row_spans + 2];  // nothing before the first and after the last
   int first, end;
   pair_masks(const row_work& work) {
     const int before = work.sx - work.upright->fine.columns->sx;
     first = before / 2;
     end = (before + work.count + 1) / 2;
+    span[0] = span[before % 2 + work.count] = 0;
     for (int k = 0; k < work.count; ++k) span[before % 2 + k] = work.masks[k];
   }
   SPANTEX_INLINE const span_mask* of(int n) const { return span + 2 * (n - first); }
@@ -152,16 +153,31 @@ SPANTEX_INLINE blended_row blended_along(const rgba8* row, const column_pair& pa
   return r;
 }
 
-using by_rows::rounded;
-constexpr int up_of(rounded how) { return how == rounded::at_once ? up_of_one : up_between; }
+// --- in 16 bits, a channel of eight pixels each (vectors/pixels.hpp has the arithmetic) -----------------------
+
+template <int32_t X>
+SPANTEX_INLINE v16 of16() { return of32<X * 0x00010001>(); }
+SPANTEX_INLINE v16 both16(int32_t x) { return set32(int32_t(uint32_t(x) * 0x00010001u)); }
+
+// A step from x, n / 2^15 of a change: to nearest; what that leaves out, 2^-16, in sign.
+struct part { v16 weights, twice; };
+SPANTEX_INLINE part part_of(int32_t n) { return {both16(n), both16(2 * n)}; }
+SPANTEX_INLINE v16 step(v16 change, const part& of) { return _mm512_mulhrs_epi16(change, of.weights); }
+SPANTEX_INLINE v16 rest(v16 change, const part& of) { return _mm512_mullo_epi16(change, of.twice); }
+
+// 8.7 to whole numbers, halves up but for those that are to go down, which are even then.
+SPANTEX_INLINE v16 whole(v16 x, __mmask32 down) { return _mm512_mulhrs_epi16(_mm512_mask_sub_epi16(x, down, x, of16<1>()), of16<1 << (15 - q.blend_bits)>()); }
+SPANTEX_INLINE v16 even(v16 x) { return whole(x, _mm512_testn_epi16_mask(x, of16<1 << q.blend_bits>())); }
+SPANTEX_INLINE v16 even(v16 x, v16 rest) {
+  constexpr int a_or_b_and_c = 0xF8;
+  const v16 odd = of16<1 << q.blend_bits>();  // the rest has no such bits
+  return whole(x, _mm512_cmple_epi16_mask(_mm512_ternarylogic_epi32(rest, x, odd, a_or_b_and_c), _mm512_setzero_si512()));
+}
 
 struct upright_rows : rows_between {
-  v16 weights[span_side];  // of the negative rows: f - 128, -f of 128, times 2^up
-  SPANTEX_INLINE upright_rows(const planar_map& texels, const upright_level& l, int up) : rows_between(texels, l) {
-    for (int j = 0; j < span_side; ++j) {
-      const int32_t below = -fraction[j] * (1 << up), above = -(128 << up) - below;
-      weights[j] = set32(int32_t(uint32_t(below) << 16 | (uint32_t(above) & 0xFFFF)));
-    }
+  part below[span_side];
+  SPANTEX_INLINE upright_rows(const planar_map& texels, const upright_level& l) : rows_between(texels, l) {
+    for (int j = 0; j < span_side; ++j) below[j] = part_of(fraction[j] << (15 - q.subtexel_bits));
   }
 };
 
@@ -176,41 +192,35 @@ struct level_walk {
   SPANTEX_INLINE void to(int j) {
     two.to(rows.upper[j], rows.lower[j], [&](const rgba8* row) SPANTEX_INLINED { return blended_along<Two>(row, columns); });
   }
-  // Of span k, the even pixels or the odd ones, a channel a lane.
-  template <bool Odd>
-  SPANTEX_INLINE v16 colours(int j, int k, v16 rounding) const {
-    const v16 a = two.above.span[k], b = two.below.span[k];
-    return _mm512_dpwssd_epi32(rounding, Odd ? _mm512_unpackhi_epi16(a, b) : _mm512_unpacklo_epi16(a, b), rows.weights[j]);
-  }
+  SPANTEX_INLINE v16 change(int k) const { return _mm512_sub_epi16(two.above.span[k], two.below.span[k]); }
+  SPANTEX_INLINE v16 colours(int j, int k) const { return _mm512_sub_epi16(step(change(k), rows.below[j]), two.above.span[k]); }
+  SPANTEX_INLINE v16 pixels(int j, int k) const { return even(colours(j, k), rest(change(k), rows.below[j])); }
 };
 
-struct upright_levels { upright_rows fine, coarse; const int32_t *fine_pairs, *coarse_pairs; v16 weights; };
+using by_rows::rounded;
+
+struct upright_levels { upright_rows fine, coarse; const int32_t *fine_pairs, *coarse_pairs; part between; };
 
 template <rounded How, bool Two, bool Whole>
 SPANTEX_INLINE void blend_pair(const upright_levels& l, const pair_masks& masks, int n, const pixel_rows& to) {
-  const colouring as;
-  const v16 lane = _mm512_setr_epi32(0, 0x40, 0x10, 0x50, 0x20, 0x60, 0x30, 0x70, 0, 0x40, 0x10, 0x50, 0x20, 0x60, 0x30, 0x70);
-  const v16 thirds = _mm512_add_epi8(_mm512_mullo_epi32(lane, set32(0x01010101)), set32(0x0E0A0602));  // of even pixels' channels, then of odd ones': pixels
-  const v16 rounding = How == rounded::at_once ? as.half : of32<1 << 7>();
   level_walk<Two> fine(l.fine, l.fine_pairs + n * pair_size<true>), coarse(l.coarse, l.coarse_pairs + n * pair_size<true>);
   for (int j = 0; j < span_side; ++j) {
     fine.to(j);
     if constexpr (How == rounded::between_levels) coarse.to(j);
-    const auto pixels = [&]<bool Odd>(int k) SPANTEX_INLINED {
-      const v16 x = fine.template colours<Odd>(j, k, rounding);
-      if constexpr (How == rounded::at_once) return as.even(x);
-      else if constexpr (How == rounded::after_level) return as.on_one_level(x);
-      else return as.between_levels(x, coarse.template colours<Odd>(j, k, rounding), l.weights);
+    const auto span = [&](int k) SPANTEX_INLINED {
+      if constexpr (How == rounded::at_once) return fine.pixels(j, k);
+      const v16 near = fine.colours(j, k);
+      if constexpr (How == rounded::after_level) return even(near);
+      const v16 change = _mm512_sub_epi16(coarse.colours(j, k), near);
+      return even(_mm512_add_epi16(near, step(change, l.between)), rest(change, l.between));
     };
-    v16 colours[2];
-#pragma GCC unroll 2
-    for (int k = 0; k < 2; ++k) colours[k] = _mm512_permutex2var_epi8(pixels.template operator()<false>(k), thirds, pixels.template operator()<true>(k));
-    write_row<Whole>(to, j, Whole ? 0 : masks.row(n, j), _mm512_mask_mov_epi64(colours[0], 0xF0, colours[1]));
+    const v16 in_order = _mm512_setr_epi64(0, 2, 4, 6, 1, 3, 5, 7);
+    write_row<Whole>(to, j, Whole ? 0 : masks.row(n, j), _mm512_permutexvar_epi64(in_order, _mm512_packus_epi16(span(0), span(1))));
   }
 }
 
 template <rounded How, bool Two>
-void blend_rows(const pair_masks& masks, const upright_levels& l, rgba8* to, int32_t stride) {
+__attribute__((noinline)) void blend_rows(const pair_masks& masks, const upright_levels& l, rgba8* to, int32_t stride) {
   for (int n = masks.first; n < masks.end; ++n) {
     const pixel_rows at{to + pair_width * n, stride};
     if (masks.all(n)) blend_pair<How, Two, true>(l, masks, n, at);
@@ -223,8 +233,8 @@ void draw_levels(const row_work& work, const upright_row& row, bool two_windows)
   const pair_masks masks(work);
   rgba8* const to = first_of_span(work, row.fine.columns->sx);
   const upright_level& other = How == rounded::between_levels ? row.coarse : row.fine;
-  const upright_levels l{{*work.texels, row.fine, up_of(How)}, {*work.texels, other, up_of(How)}, row.fine.columns->prepared.data(), other.columns->prepared.data(),
-                         set32(row.fraction << 17 | (512 - 2 * row.fraction))};
+  const upright_levels l{{*work.texels, row.fine}, {*work.texels, other}, row.fine.columns->prepared.data(), other.columns->prepared.data(),
+                         part_of(row.fraction << (15 - q.level_bits))};
   if (two_windows) blend_rows<How, true>(masks, l, to, work.stride);
   else blend_rows<How, false>(masks, l, to, work.stride);
 }
