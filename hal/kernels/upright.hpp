@@ -44,7 +44,7 @@ struct rows_between {
 // Of a surface, profile default. Tables are made when the first row is asked for.
 class upright_plane {
  public:
-  static constexpr int least_rows = 8;  // of spans: fewer are drawn sooner one by one
+  static constexpr int least_rows = 4;  // of spans: fewer are drawn sooner one by one
   upright_plane(const surface& s, rectangle area);
 
   // Null where the row's spans must be planned one by one. What it returned before is then gone.
