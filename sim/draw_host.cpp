@@ -17,28 +17,6 @@ namespace {
 struct band { int32_t y0, y1; };  // pixel rows; whole span rows
 constexpr int bands_a_thread = 16;
 
-int span_rows(const scene& s) { return (s.size.height_px + span_side - 1) / span_side; }
-
-// Planes without perspective. Kernels plan them as a whole where bands are high enough.
-bool rows_cost_alike(const scene& s) {
-  return std::all_of(s.items.begin(), s.items.end(), [](const drawable& item) { return !item.is_polygon && (item.shape.map.w.x | item.shape.map.w.y) == 0; });
-}
-
-// A simulated machine a thread; the direct engine takes shorter bands where some rows, as those near a horizon, cost more than others.
-int count_bands(const scene& s, const draw_options& o) {
-  if (o.sink != nullptr) return 1;
-  if (o.engine != engine_choice::direct || o.threads == 1) return o.threads;
-  return rows_cost_alike(s) ? std::min(o.threads, span_rows(s) / kernels::upright_plane::least_rows) : bands_a_thread * o.threads;
-}
-
-std::vector<band> make_bands(const scene& s, const draw_options& o) {
-  const int height = s.size.height_px, rows = span_rows(s), count = std::clamp(count_bands(s, o), 1, rows);
-  std::vector<band> bands;
-  for (int k = 0; k < count; ++k)
-    bands.push_back({rows * k / count * span_side, std::min(height, rows * (k + 1) / count * span_side)});
-  return bands;
-}
-
 struct band_counts {
   draw_counters work;
   skip_counters skipped;
@@ -52,21 +30,44 @@ struct prepared {
   std::vector<kernels::planar_map> maps;
 };
 
+bool has_kernel(const scene& s, const draw_options& o) {
+  return o.profile == profile_choice::standard && o.engine == engine_choice::direct && o.space == sampling_space::screen && kernels::draws(o.kind) && !o.single_half &&
+         o.port == nullptr && o.changes == profile_changes{} && o.how.alpha == alpha_mode::opaque && o.how.colour == white && o.skips == usual_skips &&
+         (o.kind == filter::nearest || std::all_of(s.maps->begin(), s.maps->end(), [](const texture_map& map) { return map.view_on_demand().colours() == colour_space::coded; })) &&
+         kernels::kernel_of(o.kernel) != nullptr;
+}
+
 prepared prepare(const scene& s, const draw_options& o) {
-  const bool wanted = o.profile == profile_choice::standard && o.engine == engine_choice::direct && o.space == sampling_space::screen && kernels::draws(o.kind) &&
-                      !o.single_half && o.port == nullptr && o.changes == profile_changes{} && o.how.alpha == alpha_mode::opaque && o.how.colour == white && o.skips == usual_skips &&
-                      (o.kind == filter::nearest || std::all_of(s.maps->begin(), s.maps->end(), [](const texture_map& map) {
-                         return map.view_on_demand().colours() == colour_space::coded;
-                       }));
   prepared p;
-  if (!wanted) return p;
+  if (!has_kernel(s, o)) return p;
   p.kernel = kernels::kernel_of(o.kernel);
-  if (p.kernel != nullptr)
-    for (const texture_map& map : *s.maps) {
-      for (int k = 0; k < map.level_count(); ++k) map.make_level(k);  // a kernel's map has all
-      p.maps.emplace_back(map.view(), kernels::layout_of(o.kernel));
-    }
+  for (const texture_map& map : *s.maps) {
+    for (int k = 0; k < map.level_count(); ++k) map.make_level(k);  // a kernel's map has all
+    p.maps.emplace_back(map.view(), kernels::layout_of(o.kernel));
+  }
   return p;
+}
+
+int span_rows(const scene& s) { return (s.size.height_px + span_side - 1) / span_side; }
+
+// Planes that kernels plan as a whole, bands that are high enough. Their rows cost alike.
+bool planned_as_a_whole(const scene& s, const draw_options& o) {
+  return has_kernel(s, o) && std::all_of(s.items.begin(), s.items.end(), [&](const drawable& item) { return !item.is_polygon && kernels::upright_plane::plans(item.shape.map, o.kind); });
+}
+
+// A simulated machine a thread; the direct engine takes shorter bands where some rows, as those near a horizon, cost more than others.
+int count_bands(const scene& s, const draw_options& o) {
+  if (o.sink != nullptr) return 1;
+  if (o.engine != engine_choice::direct || o.threads == 1) return o.threads;
+  return planned_as_a_whole(s, o) ? std::min(o.threads, span_rows(s) / kernels::upright_plane::least_rows) : bands_a_thread * o.threads;
+}
+
+std::vector<band> make_bands(const scene& s, const draw_options& o) {
+  const int height = s.size.height_px, rows = span_rows(s), count = std::clamp(count_bands(s, o), 1, rows);
+  std::vector<band> bands;
+  for (int k = 0; k < count; ++k)
+    bands.push_back({rows * k / count * span_side, std::min(height, rows * (k + 1) / count * span_side)});
+  return bands;
 }
 
 struct target {

@@ -104,6 +104,7 @@ GATES = [
     ("scaled planes: columns of the row's length", 'hal/kernels/upright.cpp', 'span_of(&u, nullptr, std::max(u.bits, row_bits));', 'span_of(&u, nullptr, row_bits);', "kernels", "spans_of_two*", KERNELS),
     ("scaled planes: rows of the first length", "hal/kernels/upright.cpp", "if (k > 0 && at[j] != y) return false;", "", "kernels", "spans_of_two*", KERNELS),
     ("scaled planes: the level of the first length", "hal/kernels/upright.cpp", "t.level = t.lengths.size() == 1 || t.level == level ? level : -1;", "t.level = level;", "kernels", "levels_of_two*", KERNELS),
+    ("scaled planes: low ones span by span", "hal/kernels/upright.hpp", "least_rows = 4;", "least_rows = 5;", "kernels", "scaled_planes", KERNELS),
     ("scaled planes: turned ones", "hal/kernels/upright.cpp", "(p.u.y | p.v.x | p.w.x | p.w.y) == 0", "(p.v.x | p.w.x | p.w.y) == 0", "kernels", "planes_that*", KERNELS),
     ("scaled planes: beyond the end of the range", "hal/kernels/upright.cpp", "if (!r.v_in_range || std::abs(r.base_v) > largest_base(kind_) || ", "if (", "kernels", "scaled_planes_at*", KERNELS),
     ("scaled planes: rounded forms where they show", "hal/kernels/upright.cpp", "return rounding_is_small(map_,", "return true || rounding_is_small(map_,", "kernels", "scaled_planes_of*", KERNELS),

@@ -18,7 +18,6 @@ int32_t centre(int32_t span) { return (2 * span + 1) * span_side; }  // half pix
 int bits_of(int64_t c, int64_t step) { return bit_length(magnitude(c) + reach * magnitude(step)); }
 // W below 2 leaves no room for its slope (coordinates_within()), though there is none.
 bool upright(const plane& p) { return (p.u.y | p.v.x | p.w.x | p.w.y) == 0 && p.w.c >= 2; }
-bool drawn_so(filter kind) { return draws(kind) && !uses_footprint(kind); }
 
 }  // namespace
 
@@ -32,9 +31,11 @@ rows_between::rows_between(const planar_map& texels, const upright_level& l) {
   }
 }
 
+bool upright_plane::plans(const plane& p, filter kind) { return draws(kind) && !uses_footprint(kind) && upright(p); }
+
 upright_plane::upright_plane(const surface& s, rectangle area)
     : map_(*s.map), texture_(*s.texture), kind_(s.kind), sx_(area.x0 / span_side), end_((area.x1 - 1) / span_side + 1), sy_(area.y0 / span_side),
-      wanted_((area.y1 - 1) / span_side - sy_ + 1 >= least_rows && drawn_so(kind_) && upright(map_)) {}
+      wanted_((area.y1 - 1) / span_side - sy_ + 1 >= least_rows && plans(map_, kind_)) {}
 
 void upright_plane::find_columns() {
   wanted_ = false;

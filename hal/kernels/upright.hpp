@@ -45,6 +45,7 @@ struct rows_between {
 class upright_plane {
  public:
   static constexpr int least_rows = 4;  // of spans: fewer are drawn sooner one by one
+  static bool plans(const plane& p, filter kind);  // areas that are high enough
   upright_plane(const surface& s, rectangle area);
 
   // Null where the row's spans must be planned one by one. What it returned before is then gone.

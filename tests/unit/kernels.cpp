@@ -324,7 +324,8 @@ double signed_power(random_source& random, double least_log2, double most_log2) 
 
 SPANTEX_CASE(scaled_planes) {
   static constexpr int32_t sides[][2] = {{64, 32}, {1, 1}, {37, 5}, {500, 375}, {1, 16}, {512, 256}};
-  constexpr rectangle whole{0, 0, 203, 101}, part{19, 5, 150, 75};
+  constexpr rectangle whole{0, 0, 203, 101}, part{19, 5, 150, 75}, low{19, 5, 150, 31};
+  const rectangle areas[] = {whole, part, low};
   random_source random(41);
   int rows = 0, known = 0;
   for (const auto& side : sides)
@@ -335,7 +336,7 @@ SPANTEX_CASE(scaled_planes) {
           const double far = k % 3 == 0 ? 30000 : 300;
           const double u = signed_power(random, -3, log2(far)), v = signed_power(random, -3, log2(far));
           const plane p = upright_plane(u, v, signed_power(random, -6, 5), signed_power(random, -6, 5), whole);
-          const rectangle area = k % 2 == 0 ? whole : part;
+          const rectangle& area = areas[k / 2 % 3];
           draw_all(p, map, kind, area, 203, 101);
           if (kind == filter::aniso || far > 300) continue;
           rows += (area.y1 - 1) / span_side - area.y0 / span_side + 1;
