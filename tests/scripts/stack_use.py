@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Stack below each call of the C interface on an emulated Cortex-M0+, found by painting it (tests/stack_use): never more than tools/size_report computes from the same
+"""Stack below the calls of the C interface that draw, and that set up maps and targets, on an emulated Cortex-M0+, found by painting it (tests/stack_use): never more than tools/size_report computes from the same
 object file's call graph, and near enough to it that the call graph's worst is met and not imagined."""
 import importlib.machinery
 import importlib.util

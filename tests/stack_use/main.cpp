@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // How deep the stack goes below each call of the C interface: what lies below is painted, the call made with random pictures, formats and filters, and the paint looked
-// for. A line "function bytes" each.
+// for. A line "function bytes pictures" each, numbers in hexadecimal; pictures: calls that succeeded.
 #include <spantex/spantex.h>
 
 #include <firmware/targets/console.hpp>

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+// Pictures by every host kernel beside the scalar engine's: for the suites that compare them.
+#pragma once
+#include <tests/support.hpp>
+
+#include <hal/kernels/rows.hpp>
+
+using namespace spantex;
+using namespace spantex::sim;
+
+namespace {
+
+using prof = fixed_profile<profiles::standard>;
+using engine_type = direct_engine<prof>;
+using renderer_type = renderer<engine_type, prof>;
+
+struct named_kernel { const char* name; kernels::choice which; };
+constexpr named_kernel every_kernel[] = {{"words", kernels::choice::words}, {"SSE4.1", kernels::choice::sse41}, {"AVX2", kernels::choice::avx2}, {"NEON", kernels::choice::neon},
+                                         {"AVX-512", kernels::choice::avx512}};
+
+constexpr filter filters[] = {filter::nearest, filter::bilinear, filter::mip_bilinear, filter::trilinear, filter::aniso};
+constexpr wrap wraps[] = {wrap::repeat, wrap::clamp, wrap::mirror};
+
+picture by_kernel, by_scalar;
+
+// Neighbours as different as can be: no error hides.
+const synthetic_map& random_map(int32_t width, int32_t height) {
+  static random_source random(5);
+  return make_map(width, height, [](int32_t, int32_t) {
+    const uint64_t n = random.next();
+    return rgba8{uint8_t(n), uint8_t(n >> 8), uint8_t(n >> 16), uint8_t(n >> 24)};
+  });
+}
+
+uint64_t span_count(rectangle r) { return uint64_t((r.x1 - 1) / span_side - r.x0 / span_side + 1) * uint64_t((r.y1 - 1) / span_side - r.y0 / span_side + 1); }
+
+// A map ready for every kernel that this machine has.
+struct ready_map {
+  texture_view view;
+  kernels::planar_map blocks, rows;  // rows: with planes for whom they are for
+  ready_map(const synthetic_map& map, wrap w) : view(map.view(w, w)), blocks(view, kernels::layout::rows_and_blocks), rows(view, kernels::layout::rows_and_planes) {}
+  const kernels::planar_map& of(kernels::choice c) const { return kernels::layout_of(c) == kernels::layout::rows_and_blocks ? blocks : rows; }
+};
+
+// By the engine, then by every kernel: the same bytes. A kernel may leave so many spans to the engine.
+void draw_all(const plane& p, const ready_map& map, filter kind, rectangle area, int32_t width, int32_t height, uint64_t most_left = UINT64_MAX) {
+  by_scalar.reset(width, height);
+  engine_type engine;
+  renderer_type r(engine, prof{}, by_scalar.frame());
+  SPANTEX_ASSERT_OK(r.draw(p, map.view, kind, area));
+  SPANTEX_ASSERT_OK(r.finish());
+  for (const named_kernel& k : every_kernel) {
+    if (kernels::kernel_of(k.which) == nullptr) continue;
+    by_kernel.reset(width, height);
+    engine_type other;
+    renderer_type rest(other, prof{}, by_kernel.frame());
+    draw_counters counts;
+    SPANTEX_ASSERT_OK(kernels::draw_plane(kernels::kernel_of(k.which), map.of(k.which), rest, p, map.view, kind, area, by_kernel.frame(), counts));
+    SPANTEX_ASSERT_OK(rest.finish());
+    assert_int_equal(counts.pixels + rest.counters().pixels, r.counters().pixels);
+    if (by_kernel.pixels != by_scalar.pixels) fail_msg("%s, filter %d: not the engine's bytes", k.name, int(kind));
+    assert_true(span_count(area) - counts.jobs <= most_left);
+  }
+}
+
+// Neither turned nor divided: from texel (u, v) on, steps of texels a pixel.
+plane upright_plane(double u, double v, double step_u, double step_v, rectangle area) {
+  const double m[9] = {step_u, 0, u, 0, step_v, v, 0, 0, 1};
+  plane p{};
+  SPANTEX_ASSERT_OK(make_plane(homography_of(m), area, p));
+  return p;
+}
+
+}  // namespace
