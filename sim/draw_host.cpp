@@ -15,7 +15,6 @@ namespace spantex::sim {
 namespace {
 
 struct band { int32_t y0, y1; };  // pixel rows; whole span rows
-constexpr int bands_a_thread = 16;
 
 struct band_counts {
   draw_counters work;
@@ -57,6 +56,7 @@ bool planned_as_a_whole(const scene& s, const draw_options& o) {
 
 // A simulated machine a thread; the direct engine takes shorter bands where some rows, as those near a horizon, cost more than others.
 int count_bands(const scene& s, const draw_options& o) {
+  constexpr int bands_a_thread = 16;
   if (o.sink != nullptr) return 1;
   if (o.engine != engine_choice::direct || o.threads == 1) return o.threads;
   return planned_as_a_whole(s, o) ? std::min(o.threads, span_rows(s) / kernels::upright_plane::least_rows) : bands_a_thread * o.threads;
