@@ -73,6 +73,43 @@ namespace by_blocks {
 #include "avx512/upright.hpp"
 #include "avx512/aniso.hpp"
 
+// Whether quads of the row's span k take, on level 0, more texels across than local memory holds as a rule: their three steps are more than 6.75 texels. From
+// local memory a span takes two thirds of what it takes by rows; but planned in vain and then drawn by rows, half as much again.
+bool beyond_sections(const row_work& work, int k) {
+  const plane& p = *work.map;
+  const int32_t cx = 2 * span_side * (work.sx + k) + span_side, cy = 2 * span_side * work.sy + span_side;
+  const int64_t w = p.value(p.w, cx, cy);
+  if (w <= 0) return false;
+  const auto beyond = [&](const linear_form& f) {
+    const int64_t base = p.value(f, cx, cy) / w;
+    if (magnitude(base) > 32767) return false;
+    return magnitude(f.x - base * p.w.x) + magnitude(f.y - base * p.w.y) > uint64_t(w / 8 * 9);  // a pixel is two steps
+  };
+  return beyond(p.u) || beyond(p.v);
+}
+
+// Batches of a row, but for those that are not worth a plan: their spans are left. Whether there may be some is seen at the row's ends, since minification grows
+// towards one of them.
+class batch_order {
+ public:
+  batch_order(const row_work& work, bool by_sections) : work_(work), some_beyond_(by_sections && (beyond_sections(work, 0) || beyond_sections(work, work.count - 1))) {}
+
+  // The first one from span `first` on.
+  int from(int first) const {
+    if (!some_beyond_) return first;
+    for (; first < work_.count; first += batch_size) {
+      const int end = min_of(first + batch_size, work_.count);
+      if (!beyond_sections(work_, (first + end) / 2)) break;
+      for (int k = first; k < end; ++k) work_.left[k] = work_.masks[k] != 0;
+    }
+    return first;
+  }
+
+ private:
+  const row_work& work_;
+  const bool some_beyond_;
+};
+
 // The batch from span `first` of the row on, planned in three parts, between which there is something else to do.
 template <filter Kind>
 struct next_batch {
@@ -147,12 +184,14 @@ SPANTEX_INLINE void draw_batch_on_levels(const row_work& work, const batch& b, u
 // A batch is drawn while the next one is planned.
 template <filter Kind, int Channels>
 void draw_row(const row_work& work) {
+  const batch_order order(work, Kind == filter::bilinear);
   batch two[2];
-  next_batch<Kind> start{work, 0, two[0], {}};
+  next_batch<Kind> start{work, order.from(0), two[0], {}};
   for (int k = 0; k < 3; ++k) start.part(k);
-  for (int first = 0, turn = 0; first < work.count; first += batch_size, turn ^= 1) {
+  for (int first = start.first, after, turn = 0; first < work.count; first = after, turn ^= 1) {
     const batch& b = two[turn];
-    next_batch<Kind> next{work, first + batch_size, two[turn ^ 1], {}};
+    after = order.from(first + batch_size);
+    next_batch<Kind> next{work, after, two[turn ^ 1], {}};
     uint32_t spans = 0;
     for (int k = 0; k < min_of(batch_size, work.count - first); ++k) {
       if (work.masks[first + k] == 0) continue;

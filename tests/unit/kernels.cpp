@@ -50,6 +50,22 @@ SPANTEX_CASE(minified_planes) {
   }
 }
 
+// Quads of two and of three blocks either way, before they take the next level; thirteen levels.
+SPANTEX_CASE(turned_planes_between_levels) {
+  static constexpr int32_t sides[][2] = {{512, 512}, {40, 24}, {4096, 8}, {500, 375}};
+  for (const auto& side : sides)
+    for (const wrap w : wraps) {
+      const ready_map map(random_map(side[0], side[1]), w);
+      for (const double scale : {1.6, 2.2, 2.8})
+        for (const double stretch : {1.0, 3.0}) {
+          const double m[9] = {0.866 * scale * stretch, -0.5 * scale, -100, 0.5 * scale * stretch, 0.866 * scale, 20, 0, 0.0002, 1};
+          plane p{};
+          SPANTEX_ASSERT_OK(make_plane(homography_of(m), {0, 0, 96, 72}, p));
+          for (const filter kind : filters) draw_all(p, map, kind, {0, 0, 96, 72}, 96, 72);
+        }
+    }
+}
+
 // Sides whose halves are rounded down: positions on their levels are products, of positions from the origin, however far.
 SPANTEX_CASE(levels_that_do_not_halve_exactly) {
   static constexpr int32_t sides[][2] = {{500, 375}, {640, 480}, {100, 37}, {7, 300}, {300, 250}, {96, 80}};
@@ -308,6 +324,7 @@ int main() {
       cmocka_unit_test(ordinary_planes_are_drawn_by_the_kernel_alone),
       cmocka_unit_test(random_planes_and_maps_of_any_size),
       cmocka_unit_test(minified_planes),
+      cmocka_unit_test(turned_planes_between_levels),
       cmocka_unit_test(levels_that_do_not_halve_exactly),
       cmocka_unit_test(long_rows_on_small_maps),
       cmocka_unit_test(rows_beyond_a_period),

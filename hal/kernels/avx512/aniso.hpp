@@ -36,21 +36,11 @@ struct row_span : level_span {
   v16 samples[quads];
   v16 along_u[most_samples / 2][quads], along_v[most_samples / 2][quads];
   int most;                           // samples
-  span_sections last;                 // of quads in three blocks of one axis on their fine level: its last two, `fine` has the first two
-  uint32_t split, split_by_row;       // bit n: quad n is such a one; v is that axis
-  alignas(64) int32_t second[16];     // u, then v: the second block, as a position
 
   SPANTEX_INLINE texels16 sample(int n, int k) const {
     const v16 du = along_u[k / 2][n], dv = along_v[k / 2][n];
     if (k & 1) return {_mm512_add_epi32(u[n], du), _mm512_add_epi32(v[n], dv)};
     return {_mm512_sub_epi32(u[n], du), _mm512_sub_epi32(v[n], dv)};
-  }
-
-  // Pixels whose first texel is not in the first block of a split quad.
-  SPANTEX_INLINE __mmask16 in_later_blocks(const texels16& p, int n) const {
-    const bool by_row = split_by_row >> n & 1;
-    const v16 position = by_row ? _mm512_add_epi32(p.v, set32(at.from_v[n])) : _mm512_add_epi32(p.u, set32(at.from_u[n]));
-    return _mm512_cmpge_epi32_mask(position, set32(second[by_row ? quads + n : n]));
   }
 };
 
@@ -119,8 +109,6 @@ SPANTEX_INLINE v16 mean_of(const colouring& as, const row_span& s, int n, v16 (&
   return as.packed(sum);
 }
 
-enum class held_in : uint8_t { narrow, wide, two_sections };  // fine texels of a quad
-
 // How a span's quads are drawn.
 template <taken Levels, int Channels, held_in Fine, bool Scaled = false>
 struct row_blender : blending<true> {
@@ -133,15 +121,7 @@ struct row_blender : blending<true> {
     for (int k = 0; k < s.most; ++k) {
       const texels16 at = s.sample(n, k);
       v16 fine[Channels], coarse[Channels];
-      constexpr bool wide = Fine != held_in::narrow;
-      const samples here = samples16(from, snapped_on<Scaled, 0>(s, from, at.u, at.v, n));
-      blended16<wide>(section_of<wide>(blocks, s.fine, n), here, rounding, fine);
-      if constexpr (Fine == held_in::two_sections) {
-        const __mmask16 later = s.in_later_blocks(at, n);
-        blended16<true>(section_of<true>(blocks, s.last, n), here, rounding, coarse);
-#pragma GCC unroll 4
-        for (int m = 0; m < Channels; ++m) fine[m] = _mm512_mask_mov_epi32(fine[m], later, coarse[m]);
-      }
+      blended_fine<Fine>(blocks, s, n, samples16(from, snapped_on<Scaled, 0>(s, from, at.u, at.v, n)), rounding, fine);
       if constexpr (Levels == taken::all) {
         asm volatile("" ::: "memory");  // as in quad_blender
         blended16<false>(section_of<false>(blocks, s.coarse, n), samples16(from, snapped_on<Scaled, 1>(s, from, at.u, at.v, n)), rounding, coarse);
@@ -153,12 +133,6 @@ struct row_blender : blending<true> {
     return mean_of(as, s, n, sum);
   }
 };
-
-template <taken Levels, int Channels>
-[[gnu::noinline]] void split_rows(const uint8_t* blocks, const row_span& s, int n, v16& out) {
-  const row_blender<Levels, Channels, held_in::two_sections> blended(blocks);
-  out = blended(s, n);
-}
 
 // A quad that spreads further. False where the map has no blocks, or, scaled, on several whole levels.
 template <int Channels, bool Scaled>
@@ -184,28 +158,9 @@ template <int Channels, bool Scaled>
   return true;
 }
 
-// Finds the quads in three blocks of one axis.
-SPANTEX_INLINE void split_quads(const planar_map& map, v16 reach, row_span& s) {
-  const uint32_t held = s.one_level ? 0xF : s.coarse.fit;
-  if ((s.fine.fit & held) == held) return;
-  const v16 level = _mm512_broadcast_i32x4(_mm_load_si128(reinterpret_cast<const __m128i*>(s.first_level))), texel = end_texels(reach, level), block = _mm512_srai_epi32(texel, 3);
-  const v16 spread = spread_of(block);
-  const __mmask16 more = __mmask16(firsts & _mm512_cmpgt_epi32_mask(spread, of32<1>())), too_many = __mmask16(firsts & _mm512_cmpgt_epi32_mask(spread, of32<2>()));
-  // From seven texels before the last one on: its block, and the one before.
-  const v16 scale = _mm512_add_epi32(level, of32<16>()), from = _mm512_sub_epi32(_mm512_shuffle_i32x4(reach, reach, 0x4E), _mm512_sllv_epi32(of32<block_side - 1>(), scale));
-  find_sections<true>(map, _mm512_mask_mov_epi32(reach, more, from), level, s.last);
-  s.split = held & s.fine.within & s.last.fit & some_axis(more) & ~some_axis(too_many) & ~uint32_t(more & more >> 4);
-  s.split_by_row = more >> 4;
-  _mm512_store_si512(s.second, _mm512_sllv_epi32(_mm512_add_epi32(block, of32<1>()), _mm512_add_epi32(scale, of32<3>())));
-}
-
 template <taken Levels, int Channels, held_in Fine, bool Scaled>
 SPANTEX_INLINE bool blend_rows(const row_work& work, const batch& b, int k, const row_span& s) {
   return blend_span<row_blender<Levels, Channels, Fine, Scaled>>(work, b, k, s, [&](int n, v16& out) SPANTEX_INLINED {
-    if (s.split >> n & 1) {
-      split_rows<Levels, Channels>(work.texels->blocks(), s, n, out);
-      return true;
-    }
     return spread_rows<Channels, Scaled>(*work.texels, work.last_level, s, n, out);
   });
 }
@@ -240,17 +195,18 @@ SPANTEX_INLINE bool draw_rows(const row_work& work, const batch& b, int k, const
   s.half = 0;
   const v16 aside = _mm512_mask_mov_epi32(of_each_quad<larger>(far_u), 0xF0F0, of_each_quad<larger>(far_v)), middle = reach_of(s.u, s.v, 16, 0, 0);
   const v16 reach = _mm512_mask_add_epi32(_mm512_sub_epi32(middle, aside), 0xFF00, middle, aside);
-  static_assert(max_levels <= 13, "no position is shortened");
+  static_assert(16 + last_of_several_texels <= 27, "no position is shortened");
   place<true, Scaled>(*work.texels, work.last_level, 0, 0, reach, s, Scaled ? turns_of(*work.texels, b, k) : v16{});
-  s.split = 0;
-  if constexpr (!Scaled) split_quads(*work.texels, reach, s);
   for (int n = 0; s.crossing && n < quads; ++n)
-    if (_mm512_cmpneq_epi32_mask(whole_of<true>(s.level[n]), set32(s.first_level[n])) != 0) {
-      s.fit &= ~(1u << n);
-      s.split &= ~(1u << n);
+    if (_mm512_cmpneq_epi32_mask(whole_of<true>(s.level[n]), set32(s.first_level[n])) != 0) s.fit &= ~(1u << n);
+  const auto by_width = [&]<taken Levels>() SPANTEX_INLINED {
+    switch (s.fine_in) {
+      case held_in::narrow: return blend_rows<Levels, Channels, held_in::narrow, Scaled>(work, b, k, s);
+      case held_in::wide: return blend_rows<Levels, Channels, held_in::wide, Scaled>(work, b, k, s);
+      default: return blend_rows<Levels, Channels, held_in::large, Scaled>(work, b, k, s);
     }
-  if (s.one_level) return s.wide ? blend_rows<taken::one, Channels, held_in::wide, Scaled>(work, b, k, s) : blend_rows<taken::one, Channels, held_in::narrow, Scaled>(work, b, k, s);
-  return s.wide ? blend_rows<taken::all, Channels, held_in::wide, Scaled>(work, b, k, s) : blend_rows<taken::all, Channels, held_in::narrow, Scaled>(work, b, k, s);
+  };
+  return s.one_level ? by_width.template operator()<taken::one>() : by_width.template operator()<taken::all>();
 }
 
 template <int Channels>
@@ -264,6 +220,7 @@ SPANTEX_INLINE bool draw_aniso(const row_work& work, const batch& b, int k) {
   row_span span;
   offsets o = offsets_of(b, k);
   v16 nu[quads], nv[quads], largest = _mm512_setzero_si512();
+  const auto some_take = [&](v16 ratio) SPANTEX_INLINED { return _mm512_cmpge_epi32_mask(largest, ratio) != 0; };
   forms(set32(b.axis_c_u[k]), b.axis_a_u[k], b.axis_b_u[k], nu);
   forms(set32(b.axis_c_v[k]), b.axis_a_v[k], b.axis_b_v[k], nv);
 #pragma GCC unroll 4
@@ -272,10 +229,9 @@ SPANTEX_INLINE bool draw_aniso(const row_work& work, const batch& b, int k) {
     shapes_of(nu[n], nv[n], o.e[n], b.axis_exponent[k], b.area_log2[k], flat, work.last_level, span.level[n], ratio);
     span.samples[n] = samples_of(ratio);
     largest = _mm512_max_epi32(largest, ratio);
+    if (some_take(of32<least_ratio_of(most_samples + 1)>())) return false;
   }
   const bool scaled = on_unlike_levels<true>(*work.texels, span.level);
-  const auto some_take = [&](v16 ratio) { return _mm512_cmpge_epi32_mask(largest, ratio) != 0; };
-  if (some_take(of32<least_ratio_of(most_samples + 1)>())) return false;
   if (!some_take(of32<least_ratio_of(2)>())) {
     take(o, span);
     return scaled ? draw_at_scaled_levels<true, Channels>(work, b, k, span) : draw_at_levels<true, Channels>(work, b, k, span);

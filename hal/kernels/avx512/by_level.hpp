@@ -2,6 +2,8 @@
 // AVX-512 kernel: spans on their levels of detail. Included by ../avx512.cpp alone.
 #pragma once
 
+enum class held_in : uint8_t { narrow, wide, large };  // fine texels of a span's quads
+
 struct level_span {
   v16 lengths;                        // lengths16()
   v16 u[quads], v[quads];             // offsets
@@ -14,7 +16,8 @@ struct level_span {
   int32_t first_level[quads];         // the least of each quad's pixels
   uint32_t fit;                       // bit n: quad n's sections are here
   bool crossing;                      // some quad's pixels lie on two whole levels: they take from three
-  bool wide;                          // the fine sections may be
+  held_in fine_in;
+  large_sections large;               // of the fine level
   bool one_level;                     // no pixel takes anything from its coarse level
 };
 
@@ -94,19 +97,27 @@ SPANTEX_INLINE void place(const planar_map& map, int32_t last_level, int32_t bas
   }
   const auto ends_on = [&](v16 level, int after) SPANTEX_INLINED { return Scaled ? scale_ends(map, reach, level, turns, s.scaled[after]) : end_texels(reach, level); };
   const v16 fine_ends = ends_on(fine_level, 0);
-  find_sections_at<false>(map, fine_ends, fine_level, s.fine);
-  s.wide = s.fine.fit != 0xF;
-  if (s.wide) find_sections_at<true>(map, fine_ends, fine_level, s.fine);
+  find_sections<false>(map, fine_ends, fine_level, s.fine);
+  s.fine_in = held_in::narrow;
+  if (s.fine.fit != 0xF) {
+    find_sections<true>(map, fine_ends, fine_level, s.fine);
+    s.fine_in = held_in::wide;
+  }
   s.fit = s.fine.fit;
+  if (s.fit != 0xF) {
+    find_large_sections(map, fine_ends, fine_level, s.large);
+    s.fine_in = held_in::large;
+    s.fit = s.large.fit;
+  }
   s.one_level = TwoLevels && !s.crossing && _mm512_test_epi32_mask(_mm512_or_si512(_mm512_or_si512(s.level[0], s.level[1]), _mm512_or_si512(s.level[2], s.level[3])), of32<255>()) == 0;
   if (s.one_level || (!TwoLevels && !s.crossing)) return;
-  find_sections_at<false>(map, ends_on(coarse_level, 1), coarse_level, s.coarse);
+  find_sections<false>(map, ends_on(coarse_level, 1), coarse_level, s.coarse);
   s.fit &= s.coarse.fit;
   if (!s.crossing) [[likely]] return;
   if constexpr (TwoLevels) {
     const v16 next_level = further(coarse_level);
     if constexpr (!Scaled) s.at.take_next(s.bits, s.half, base_u, base_v, _mm512_castsi512_si128(next_level));
-    find_sections_at<false>(map, ends_on(next_level, 2), next_level, s.next);
+    find_sections<false>(map, ends_on(next_level, 2), next_level, s.next);
     s.fit &= s.next.fit;
   }
   for (int n = 0; n < quads; ++n)
@@ -159,8 +170,14 @@ SPANTEX_INLINE v16 snapped_on(const level_span& s, const C& c, v16 u, v16 v, int
   else return s.at.at(c, u, v, n + After * quads);
 }
 
+template <held_in Fine, int Channels>
+SPANTEX_INLINE void blended_fine(const uint8_t* blocks, const level_span& s, int n, const samples& at, v16 rounding, v16 (&out)[Channels]) {
+  if constexpr (Fine == held_in::large) blended16(s.large.of(blocks, n), at, rounding, out);
+  else blended16<Fine == held_in::wide>(section_of<Fine == held_in::wide>(blocks, s.fine, n), at, rounding, out);
+}
+
 // How a span's quads are drawn. Whether the fine sections are as narrow as the coarse ones is much the same from one span to the next.
-template <bool TwoLevels, taken Levels, int Channels, bool Wide, bool Scaled = false>
+template <bool TwoLevels, taken Levels, int Channels, held_in Fine, bool Scaled = false>
 struct quad_blender : blending<TwoLevels> {
   SPANTEX_INLINE explicit quad_blender(const uint8_t* of) : blending<TwoLevels>(of) {}
   using blending<TwoLevels>::up, blending<TwoLevels>::blocks, blending<TwoLevels>::from, blending<TwoLevels>::as, blending<TwoLevels>::rounding;
@@ -168,7 +185,7 @@ struct quad_blender : blending<TwoLevels> {
   SPANTEX_INLINE v16 operator()(const level_span& s, int n) const {
     const v16 u = s.u[n], v = s.v[n], level = s.level[n];
     v16 fine[Channels];
-    blended16<Wide>(section_of<Wide>(blocks, s.fine, n), samples16(from, snapped_on<Scaled, 0>(s, from, u, v, n)), rounding, fine);
+    blended_fine<Fine>(blocks, s, n, samples16(from, snapped_on<Scaled, 0>(s, from, u, v, n)), rounding, fine);
     return finished(s, n, u, v, level, fine);
   }
 
@@ -238,7 +255,7 @@ template <bool TwoLevels, taken Levels, int Channels, bool Scaled>
     if constexpr (Scaled) return false;
     else return by_level_anywhere<TwoLevels>(map, p, last_level, whole, _mm512_and_si512(s.level[n], set32(255)), out);
   }
-  using blender = quad_blender<TwoLevels, Levels, Channels, false, Scaled>;
+  using blender = quad_blender<TwoLevels, Levels, Channels, held_in::narrow, Scaled>;
   const blender blended(map.blocks());
   v16 fine[Channels];
   if (!blend_anywhere<blender::up>(map, on_level_after<Scaled>(s, Scaled ? texels16{p.u, p.v} : texels_of(p), first, 0, n), first, __mmask16(~others), TwoLevels ? 1 << 7 : before_even, fine)) return false;
@@ -273,12 +290,18 @@ SPANTEX_INLINE bool blend_span(const row_work& work, const batch& b, int k, cons
 
 template <bool TwoLevels, int Channels, bool Scaled = false>
 SPANTEX_INLINE bool blend_span(const row_work& work, const batch& b, int k, const level_span& s) {
-  const auto blended = [&]<taken Levels, bool Wide>() SPANTEX_INLINED {
-    return blend_span<quad_blender<TwoLevels, Levels, Channels, Wide, Scaled>>(work, b, k, s, [&](int n, v16& out) SPANTEX_INLINED {
+  const auto blended = [&]<taken Levels, held_in Fine>() SPANTEX_INLINED {
+    return blend_span<quad_blender<TwoLevels, Levels, Channels, Fine, Scaled>>(work, b, k, s, [&](int n, v16& out) SPANTEX_INLINED {
       return spread_quad<TwoLevels, Levels, Channels, Scaled>(*work.texels, work.last_level, positions_of(b, k, s, n), s, n, out);
     });
   };
-  const auto by_width = [&]<taken Levels>() SPANTEX_INLINED { return s.wide ? blended.template operator()<Levels, true>() : blended.template operator()<Levels, false>(); };
+  const auto by_width = [&]<taken Levels>() SPANTEX_INLINED {
+    switch (s.fine_in) {
+      case held_in::narrow: return blended.template operator()<Levels, held_in::narrow>();
+      case held_in::wide: return blended.template operator()<Levels, held_in::wide>();
+      default: return blended.template operator()<Levels, held_in::large>();
+    }
+  };
   if (s.crossing) [[unlikely]] return by_width.template operator()<taken::more>();
   return s.one_level ? by_width.template operator()<taken::one>() : by_width.template operator()<taken::all>();
 }

@@ -4,7 +4,8 @@
 
 // Addresses and weights of sixteen pixels on one level, four bytes a pixel: texels (0,0) (1,0) (0,1) (1,1).
 struct samples {
-  v16 index;           // row of 16, column of 8: what a byte permute of two registers takes
+  v16 index;           // row of 16 (or of 32), column of 8: what a byte permute of two registers takes
+  v16 column;
   __mmask64 right;     // in the second column of blocks
   v16 u, v;            // weights: 128 - f, f of 128 in bytes; the same of 2^(7 + Up) in words
 };
@@ -44,6 +45,7 @@ SPANTEX_INLINE samples samples16(const sampling<Up>& c, v16 at) {
   const v16 x = _mm512_add_epi8(_mm512_multishift_epi64_epi8(c.x_fields, at), c.next_x);
   const v16 y = _mm512_add_epi8(_mm512_multishift_epi64_epi8(c.y_fields, at), c.next_y);  // times 8, three bits of fraction below
   s.index = _mm512_ternarylogic_epi32(y, x, c.x_bits, 0xD8);
+  s.column = x;
   s.right = _mm512_test_epi8_mask(x, set32(0x08080808));
   const v16 fu4 = _mm512_shuffle_epi8(_mm512_and_si512(at, c.u_bits), c.lowest);
   s.u = _mm512_mask_sub_epi8(fu4, c.even, c.all_u, fu4);
@@ -78,6 +80,27 @@ template <bool Wide, int Channels>
 SPANTEX_INLINE void blended16(const quad_section& at, const samples& s, v16 rounding, v16 (&out)[Channels]) {
 #pragma GCC unroll 4
   for (int m = 0; m < Channels; ++m) out[m] = _mm512_dpwssd_epi32(rounding, _mm512_maddubs_epi16(s.u, fetch16<Wide>(at, m, s)), s.v);
+}
+
+// The same of 24x24 texels. The third column and row of blocks are where positions from the first ones have bit 4.
+struct sample_thirds {
+  __mmask64 column, row;
+  SPANTEX_INLINE sample_thirds(const large_section& at, const samples& s)
+      : column(_mm512_test_epi8_mask(_mm512_sub_epi8(s.column, _mm512_set1_epi8(int8_t(at.column * block_side))), set32(0x10101010))),
+        row(_mm512_movepi8_mask(_mm512_sub_epi8(s.index, _mm512_set1_epi8(int8_t(at.row * block_side << 3))))) {}
+};
+SPANTEX_INLINE v16 fetch16(const large_section& from, int channel, const samples& s, const sample_thirds& third) {
+  const auto column = [&](int c) SPANTEX_INLINED {
+    const auto block = [&](int r) SPANTEX_INLINED { return _mm512_load_si512(from.blocks + from.at[c][r] + channel * block_channel_bytes); };
+    return _mm512_mask_permutexvar_epi8(_mm512_permutex2var_epi8(block(0), s.index, block(1)), third.row, s.index, block(2));
+  };
+  return _mm512_mask_mov_epi8(_mm512_mask_mov_epi8(column(0), s.right, column(1)), third.column, column(2));
+}
+template <int Channels>
+SPANTEX_INLINE void blended16(const large_section& at, const samples& s, v16 rounding, v16 (&out)[Channels]) {
+  const sample_thirds third(at, s);
+#pragma GCC unroll 4
+  for (int m = 0; m < Channels; ++m) out[m] = _mm512_dpwssd_epi32(rounding, _mm512_maddubs_epi16(s.u, fetch16(at, m, s, third)), s.v);
 }
 
 constexpr int32_t before_even = 0x7FFF;

@@ -106,9 +106,11 @@ SPANTEX_INLINE offsets offsets_of(const batch& b, int k) {
 struct positions { v16 u, v; int32_t base_u, base_v; int bits; uint32_t half; };
 SPANTEX_INLINE positions positions_of(const batch& b, int k, const offsets& o, int n) { return {o.u[n], o.v[n], b.base_u[k], b.base_v[k], o.bits, o.half}; }
 
-// Drops the bits that keep positions modulo 16 texels of any level up to this one from fitting 32 bits: few spans have any.
+// Drops the bits that keep positions modulo 32 texels of any level up to this one from fitting 32 bits: few spans have any. The last level that a map may have
+// is one texel, the same wherever it is read.
+constexpr int32_t last_of_several_texels = max_levels - 2;
 SPANTEX_INLINE void shorten(int last_level, v16 (&u)[quads], v16 (&v)[quads], int& bits, uint32_t& half) {
-  const int drop = bits + last_level - 28;
+  const int drop = bits + min_of(last_level, last_of_several_texels) - 27;
   if (drop <= 0) [[likely]] return;
 #pragma GCC unroll 4
   for (int n = 0; n < quads; ++n) {
@@ -119,7 +121,7 @@ SPANTEX_INLINE void shorten(int last_level, v16 (&u)[quads], v16 (&v)[quads], in
   half >>= drop;
 }
 
-// Positions on a level: u in the lower half of each lane, v in the upper, 7 bits of fraction and 4 of texel each; what is above is anything.
+// Positions on a level: u in the lower half of each lane, v in the upper, 7 bits of fraction and 5 of texel each; what is above is anything.
 SPANTEX_INLINE v16 snapped16(v16 offset_u, v16 offset_v, v16 from_u, v16 from_v, v16 drop, v16 turn) {
   const v16 u = _mm512_srlv_epi32(_mm512_add_epi32(offset_u, from_u), drop), v = _mm512_rorv_epi32(_mm512_add_epi32(offset_v, from_v), turn);
   return _mm512_ternarylogic_epi32(u, v, upper(), 0xD8);  // bits of v where upper

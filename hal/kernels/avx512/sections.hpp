@@ -43,7 +43,6 @@ struct alignas(64) span_sections {
   int32_t at[2][2][quads];
   alignas(32) uint64_t merged[quads];           // narrow
   uint32_t fit;                                 // bit n: quad n's section is in here
-  uint32_t within;                              // bit n: quad n's ends lie where the map has blocks
 };
 
 // Lanes are ordered as in reach_of(): those of u, of v, of the first ends.
@@ -67,20 +66,26 @@ SPANTEX_INLINE v16 of_levels(v16 level, const int32_t (&u)[max_planar_levels], c
   return _mm512_permutex2var_epi32(_mm512_load_si512(u), _mm512_or_si512(level, axis), _mm512_load_si512(v));
 }
 
+// Where blocks repeat: there the map has those of one period alone.
+SPANTEX_INLINE __mmask16 repeating_axes(const planar_map& map) { return __mmask16((map.period_u() != 0 ? of_u : 0) | (map.period_v() != 0 ? of_v : 0)); }
+
+// The even one of block `start` and the next in the lanes of the first ends, the odd one in the others.
+SPANTEX_INLINE v16 even_and_odd(v16 start) {
+  const v16 one = set32(1), ends = one_at_last_ends();
+  return _mm512_or_si512(_mm512_andnot_si512(one, _mm512_add_epi32(start, _mm512_sub_epi32(one, ends))), ends);
+}
+
 // texel: of the level that the ends need.
 template <bool Wide>
-SPANTEX_INLINE void find_sections_at(const planar_map& map, v16 texel, v16 level, span_sections& s) {
+SPANTEX_INLINE void find_sections(const planar_map& map, v16 texel, v16 level, span_sections& s) {
   const planar_levels& texels = map.levels();
-  const v16 one = set32(1), ends = one_at_last_ends();
-  const v16 block = _mm512_srai_epi32(texel, 3), least = of32<-apron>(), last = of_levels(level, texels.last_column, texels.last_row);
+  const v16 one = set32(1), block = _mm512_srai_epi32(texel, 3), least = of32<-apron>(), last = of_levels(level, texels.last_column, texels.last_row);
   const v16 from = Wide ? block : _mm512_mask_mov_epi32(block, of_u, texel);  // narrow: columns are counted
   const v16 most = Wide ? one : _mm512_mask_mov_epi32(one, of_u, of32<block_side - 1>());
-  __mmask16 bad = __mmask16(firsts & _mm512_cmpgt_epi32_mask(spread_of(from), most));
-  const __mmask16 strict = __mmask16((map.period_u() != 0 ? of_u : 0) | (map.period_v() != 0 ? of_v : 0));
-  const __mmask16 outside = __mmask16(strict & _mm512_cmpneq_epi32_mask(_mm512_max_epi32(_mm512_min_epi32(block, last), least), block));
-  bad = __mmask16(bad | outside);
+  const __mmask16 outside = __mmask16(repeating_axes(map) & _mm512_cmpneq_epi32_mask(_mm512_max_epi32(_mm512_min_epi32(block, last), least), block));
+  const __mmask16 bad = __mmask16((firsts & _mm512_cmpgt_epi32_mask(spread_of(from), most)) | outside);
   const v16 start = _mm512_shuffle_i32x4(block, block, 0x44);  // u, v, u, v
-  v16 parity = _mm512_or_si512(_mm512_andnot_si512(one, _mm512_add_epi32(start, _mm512_sub_epi32(one, ends))), ends);  // the even one, the odd one
+  v16 parity = even_and_odd(start);
   if constexpr (!Wide) parity = _mm512_mask_mov_epi32(parity, of_u, block);
   const v16 held = _mm512_max_epi32(_mm512_min_epi32(parity, last), least);
   const v16 bytes = _mm512_mullo_epi32(held, of_levels(level, texels.column_bytes, texels.row_bytes));
@@ -91,15 +96,41 @@ SPANTEX_INLINE void find_sections_at(const planar_map& map, v16 texel, v16 level
     const __m512i column = _mm512_cvtepi32_epi64(_mm512_castsi512_si256(_mm512_and_si512(texel, of32<7>())));
     _mm256_store_si256(reinterpret_cast<__m256i*>(s.merged), _mm512_castsi512_si256(_mm512_permutexvar_epi64(column, _mm512_loadu_si512(columns_below))));
   }
-  s.fit = s.within = 0xF;
-  if (bad == 0) [[likely]] return;
-  s.fit = ~some_axis(bad) & 0xF;
-  s.within = ~some_axis(outside) & 0xF;
+  s.fit = bad == 0 ? 0xF : ~some_axis(bad) & 0xF;
 }
 
-template <bool Wide>
-SPANTEX_INLINE void find_sections(const planar_map& map, v16 reach, v16 level, span_sections& s) {
-  find_sections_at<Wide>(map, end_texels(reach, level), level, s);
+// 24x24 texels, where two blocks either way are too few: the even one of the first two, the odd one, the third.
+struct large_section {
+  const uint8_t* blocks;
+  int32_t at[3][3];      // column, row
+  int32_t column, row;   // the first block
+};
+
+struct alignas(64) large_sections {
+  int32_t two[2][2][quads], third_column[2][quads], third_row[2][quads], corner[quads], column[quads], row[quads];
+  uint32_t fit;  // bit n: quad n's section is in here
+  SPANTEX_INLINE large_section of(const uint8_t* blocks, int n) const {
+    return {blocks,
+            {{two[0][0][n], two[0][1][n], third_row[0][n]}, {two[1][0][n], two[1][1][n], third_row[1][n]}, {third_column[0][n], third_column[1][n], corner[n]}},
+            column[n],
+            row[n]};
+  }
+};
+
+SPANTEX_INLINE void find_large_sections(const planar_map& map, v16 texel, v16 level, large_sections& s) {
+  const planar_levels& texels = map.levels();
+  const v16 block = _mm512_srai_epi32(texel, 3), least = of32<-apron>(), last = of_levels(level, texels.last_column, texels.last_row);
+  const auto held = [&](v16 k) SPANTEX_INLINED { return _mm512_max_epi32(_mm512_min_epi32(k, last), least); };
+  const __mmask16 bad = __mmask16((firsts & _mm512_cmpgt_epi32_mask(spread_of(block), of32<2>())) | (repeating_axes(map) & _mm512_cmpneq_epi32_mask(held(block), block)));
+  const v16 start = _mm512_shuffle_i32x4(block, block, 0x44);  // u, v, u, v
+  const v16 unit = of_levels(level, texels.column_bytes, texels.row_bytes), origin = _mm512_permutexvar_epi32(level, _mm512_load_si512(texels.origin));
+  const v16 two = _mm512_mullo_epi32(held(even_and_odd(start)), unit), third = _mm512_mullo_epi32(held(_mm512_add_epi32(start, of32<2>())), unit);
+  const v16 columns = _mm512_add_epi32(two, origin), third_columns = _mm512_add_epi32(third, origin);
+  _mm512_store_si512(s.two, _mm512_add_epi32(_mm512_shuffle_i32x4(columns, columns, 0xA0), _mm512_shuffle_i32x4(two, two, 0xDD)));
+  _mm512_store_si512(s.third_column, _mm512_add_epi32(_mm512_shuffle_i32x4(third_columns, columns, 0x80), _mm512_shuffle_i32x4(two, third, 0x5D)));
+  _mm_store_si128(reinterpret_cast<__m128i*>(s.corner), _mm512_castsi512_si128(_mm512_add_epi32(third_columns, _mm512_shuffle_i32x4(third, third, 0x55))));
+  _mm256_storeu_si256(reinterpret_cast<__m256i*>(s.column), _mm512_castsi512_si256(block));
+  s.fit = ~some_axis(bad) & 0xF;
 }
 
 template <bool Wide>

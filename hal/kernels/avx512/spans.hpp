@@ -164,7 +164,8 @@ SPANTEX_INLINE bool draw_bilinear(const row_work& work, const batch& b, int k) {
     for (int n = 0; n < quads; ++n) out[n] = bilinear16<Channels, false>(as, section_of(b, origin, k, n), samples16(from, snapped16(positions_of(b, k, o, n), 0)));
   } else {
     span_sections sections;
-    find_sections<true>(map, reach_of(o.u, o.v, o.bits, b.base_u[k], b.base_v[k]), _mm512_setzero_si512(), sections);
+    const v16 level = _mm512_setzero_si512();
+    find_sections<true>(map, end_texels(reach_of(o.u, o.v, o.bits, b.base_u[k], b.base_v[k]), level), level, sections);
     if (sections.fit != 0xF) return false;
     shorten(0, o.u, o.v, o.bits, o.half);
 #pragma GCC unroll 4
