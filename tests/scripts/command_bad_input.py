@@ -384,6 +384,10 @@ CASES = [
     (["bench", "--scenes", "spider", "--models", "nowhere", "--peers", "none"], ["nowhere", "assimp-testmodels"]),
     (["bench", "--json", "no/t.json"], ["no/t.json", "cannot write"]),
     (["bench", "--draws-only"], ["--counts"]),
+    (["bench", "--counts", "--scenes", "far"], ["--counts", "--scenes"]),
+    (["bench", "--counts", "--matrix", "1,0,0,0,1,0,0,0,1"], ["--counts", "--matrix"]),
+    (["bench", "--counts", "--growth"], ["--counts", "--growth"]),
+    (["bench", "--counts", "--json", "counts.json"], ["--counts", "--json"]),
 ]
 
 

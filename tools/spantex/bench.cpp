@@ -179,19 +179,22 @@ void run(const bench_options& o) {
 void add_bench_command(CLI::App& app) {
   const auto o = std::make_shared<bench_options>();
   CLI::App& sub = *app.add_subcommand("bench", "time against error: scenes, filters, profiles, kernels, and other programs' renderers side by side");
-  sub.add_option("--scenes", o->scenes, joined(bench_scene_names()) + "; separated by commas, or all (which it is without --matrix)")->delimiter(',');
-  sub.add_option("--filters", o->filters, list_of(sim::filter_names) + "; or all")->delimiter(',')->capture_default_str();
-  sub.add_option("--profiles", o->profiles, list_of(sim::profile_names) + "; or all")->delimiter(',')->capture_default_str();
-  sub.add_option("--kernels", o->kernels, "scalar and the host's kernels, or all; one that cannot draw a scene or filter has no row there")->delimiter(',')->capture_default_str();
-  sub.add_option("--peers", o->peers, "files of the folder peers beside this command, or all, or none")->delimiter(',')->capture_default_str();
-  sub.add_option("--matrix", o->matrix, "a plane of your own, as of `spantex plane`, named matrix; after the scenes of --scenes, where they are named");
-  sub.add_option("--texture", o->maps.texture, "map of the planes instead of a built-in one");
-  sub.add_option("--models", o->maps.models, "folder of assimp's test models")->capture_default_str();
-  sub.add_option("--size", o->size, "picture size, WxH")->capture_default_str();
-  sub.add_option("--repeat", o->rounds, "turns of each; of slow ones (20 ms a picture) three at most")->capture_default_str();
-  sub.add_flag("--growth", o->growth, "also how cost grows with pixels, polygons, map size and overdraw");
-  sub.add_option("--json", o->out, "everything measured, as JSON");
-  CLI::Option* const counts = sub.add_flag("--counts", o->counts, "no clock: counts of work on fixed scenes, for baselines");
+  CLI::Option* const of_measuring[] = {
+      sub.add_option("--scenes", o->scenes, joined(bench_scene_names()) + "; separated by commas, or all (which it is without --matrix)")->delimiter(','),
+      sub.add_option("--filters", o->filters, list_of(sim::filter_names) + "; or all")->delimiter(',')->capture_default_str(),
+      sub.add_option("--profiles", o->profiles, list_of(sim::profile_names) + "; or all")->delimiter(',')->capture_default_str(),
+      sub.add_option("--kernels", o->kernels, "scalar and the host's kernels, or all; one that cannot draw a scene or filter has no row there")->delimiter(',')->capture_default_str(),
+      sub.add_option("--peers", o->peers, "files of the folder peers beside this command, or all, or none")->delimiter(',')->capture_default_str(),
+      sub.add_option("--matrix", o->matrix, "a plane of your own, as of `spantex plane`, named matrix; after the scenes of --scenes, where they are named"),
+      sub.add_option("--texture", o->maps.texture, "map of the planes instead of a built-in one"),
+      sub.add_option("--models", o->maps.models, "folder of assimp's test models")->capture_default_str(),
+      sub.add_option("--size", o->size, "picture size, WxH")->capture_default_str(),
+      sub.add_option("--repeat", o->rounds, "turns of each; of slow ones (20 ms a picture) three at most")->capture_default_str(),
+      sub.add_flag("--growth", o->growth, "also how cost grows with pixels, polygons, map size and overdraw"),
+      sub.add_option("--json", o->out, "everything measured, as JSON"),
+  };
+  CLI::Option* const counts = sub.add_flag("--counts", o->counts, "no clock: counts of work on fixed scenes, for baselines; nothing else is chosen then");
+  for (CLI::Option* const other : of_measuring) counts->excludes(other);
   sub.add_flag("--draws-only", o->draws_only, "with --counts: each row drawn once, for a profiler")->needs(counts);
   sub.footer("rms, worst: colour errors of 0..255 against the 16x16 supersampled reference. words: 64 bits, loaded into local memory, a pixel. ours dB: a peer's picture "
              "against ours in profile default; WRONG if it is no nearer the reference than its mean colour.");
