@@ -80,23 +80,24 @@ struct target {
 };
 
 // What is not kept.
-void clear(const target& out, rgba8 background) {
+void clear(const target& out, band b, rgba8 background) {
+  const auto fill = [](auto& values, size_t first, size_t count, auto value) { std::fill_n(values.begin() + std::ptrdiff_t(first), values.empty() ? 0 : count, value); };
+  const int32_t width = out.picture.width_px;
   if (out.kept.empty()) {
-    std::fill(out.picture.pixels.begin(), out.picture.pixels.end(), background);
-    std::fill(out.depth.values.begin(), out.depth.values.end(), 0);
-    std::fill(out.depth.floors.begin(), out.depth.floors.end(), 0);
+    const size_t rows = size_t(b.y1 - b.y0), first_span = size_t(b.y0 / span_side) * size_t(out.columns()), spans = (rows + span_side - 1) / span_side * size_t(out.columns());
+    fill(out.picture.pixels, size_t(b.y0) * size_t(width), rows * size_t(width), background);
+    fill(out.depth.values, size_t(b.y0) * size_t(width), rows * size_t(width), 0u);
+    fill(out.depth.floors, first_span, spans, 0u);
     return;
   }
-  const int32_t width = out.picture.width_px;
-  for (int32_t y = 0; y < out.picture.height_px; ++y)
+  for (int32_t y = b.y0; y < b.y1; ++y)
     for (int32_t sx = 0; sx < out.columns(); ++sx) {
       const size_t span = size_t(y / span_side) * size_t(out.columns()) + size_t(sx), first = size_t(y) * size_t(width) + size_t(sx * span_side);
       if (out.kept[span] != 0) continue;
-      const int count = std::min(span_side, width - sx * span_side);
-      std::fill_n(out.picture.pixels.begin() + std::ptrdiff_t(first), count, background);
-      if (out.depth.values.empty()) continue;
-      std::fill_n(out.depth.values.begin() + std::ptrdiff_t(first), count, 0u);
-      out.depth.floors[span] = 0;
+      const size_t count = size_t(std::min(span_side, width - sx * span_side));
+      fill(out.picture.pixels, first, count, background);
+      fill(out.depth.values, first, count, 0u);
+      fill(out.depth.floors, span, 1, 0u);
     }
 }
 
@@ -258,7 +259,7 @@ double draw_once(const scene& s, const draw_options& o, const prepared& ready, c
                  draw_result& result, frame_depths& depth) {
   std::vector<band_counts> counts(bands.size());
   const target out{result.picture, depth, ready, kept};
-  clear(out, o.background);
+  team.run(int(bands.size()), [&](int k) { clear(out, bands[size_t(k)], o.background); });
   const auto begun = std::chrono::steady_clock::now();
   team.run(int(bands.size()), [&](int k) {
     const status done = draw_band_by_profile(s, o, bands[size_t(k)], out, counts[size_t(k)]);
@@ -381,8 +382,11 @@ draw_result draw(const scene& all, const draw_options& options, frame_before* be
   return result;
 }
 
-int draw_parts(const scene& s, const draw_options& options) {
+int draw_parts(const scene& all, const draw_options& options) {
   if (options.space == sampling_space::object) return 0;
+  const bool culls = options.culled != cull::none;
+  const scene facing = culls ? without_culled(all, options.culled) : scene{};
+  const scene& s = culls ? facing : all;
   const int bands = int(make_bands(s, options).size()), rows = span_rows(s);
   int parts = 0;
   for (const drawable& item : s.items) parts += item.is_polygon ? bands : rows;

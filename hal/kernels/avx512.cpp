@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // AVX-512 with VBMI: eight spans of a row are planned at once, one 64-bit lane each; then each span's 64 pixels are computed, sixteen 32-bit
-// lanes at a time. Local memory is registers: a channel of 16x16 texels is four of them, and a byte permute of two registers is 64 fetches.
+// lanes at a time. Local memory is registers: a channel of 16x16 texels is four of them, of 24x24 nine, and a byte permute of two registers is 64 fetches.
 //
 // Every number equals the scalar datapath's (docs/SPEC.md). Rounding shifts are folded: floor(floor(x / 2^a) + k) / 2^b) = floor((x + k 2^a) / 2^(a + b)),
 // so a position is rounded to coordinate_bits and then snapped in one addition and one shift; addresses in local memory are taken modulo its
@@ -74,32 +74,34 @@ namespace by_blocks {
 #include "avx512/aniso.hpp"
 
 // Whether quads of the row's span k take, on level 0, more texels across than local memory holds as a rule: their three steps are more than 6.75 texels. From
-// local memory a span takes two thirds of what it takes by rows; but planned in vain and then drawn by rows, half as much again.
-bool beyond_sections(const row_work& work, int k) {
+// there on spans drawn from local memory after all are no faster than by rows, and those that are planned in vain take half as much again. `unknown`: of spans
+// behind the viewer, and of those that a plan could not tell either.
+bool beyond_sections(const row_work& work, int k, bool unknown) {
   const plane& p = *work.map;
   const int32_t cx = 2 * span_side * (work.sx + k) + span_side, cy = 2 * span_side * work.sy + span_side;
   const int64_t w = p.value(p.w, cx, cy);
-  if (w <= 0) return false;
+  if (w <= 0) return unknown;
   const auto beyond = [&](const linear_form& f) {
     const int64_t base = p.value(f, cx, cy) / w;
-    if (magnitude(base) > 32767) return false;
+    if (magnitude(base) > 32767) return unknown;
     return magnitude(f.x - base * p.w.x) + magnitude(f.y - base * p.w.y) > uint64_t(w / 8 * 9);  // a pixel is two steps
   };
   return beyond(p.u) || beyond(p.v);
 }
 
-// Batches of a row, but for those that are not worth a plan: their spans are left. Whether there may be some is seen at the row's ends, since minification grows
+// Batches of a row. Bilinear leaves the spans of those that are not worth a plan; whether there may be some is seen at the row's ends, since minification grows
 // towards one of them.
 class batch_order {
  public:
-  batch_order(const row_work& work, bool by_sections) : work_(work), some_beyond_(by_sections && (beyond_sections(work, 0) || beyond_sections(work, work.count - 1))) {}
+  batch_order(const row_work& work, filter kind)
+      : work_(work), some_beyond_(kind == filter::bilinear && (beyond_sections(work, 0, true) || beyond_sections(work, work.count - 1, true))) {}
 
-  // The first one from span `first` on.
-  int from(int first) const {
+  // The first one from span `first` on; spans before it are left.
+  int next(int first) const {
     if (!some_beyond_) return first;
     for (; first < work_.count; first += batch_size) {
       const int end = min_of(first + batch_size, work_.count);
-      if (!beyond_sections(work_, (first + end) / 2)) break;
+      if (!beyond_sections(work_, (first + end) / 2, false)) break;
       for (int k = first; k < end; ++k) work_.left[k] = work_.masks[k] != 0;
     }
     return first;
@@ -184,13 +186,13 @@ SPANTEX_INLINE void draw_batch_on_levels(const row_work& work, const batch& b, u
 // A batch is drawn while the next one is planned.
 template <filter Kind, int Channels>
 void draw_row(const row_work& work) {
-  const batch_order order(work, Kind == filter::bilinear);
+  const batch_order order(work, Kind);
   batch two[2];
-  next_batch<Kind> start{work, order.from(0), two[0], {}};
+  next_batch<Kind> start{work, order.next(0), two[0], {}};
   for (int k = 0; k < 3; ++k) start.part(k);
   for (int first = start.first, after, turn = 0; first < work.count; first = after, turn ^= 1) {
     const batch& b = two[turn];
-    after = order.from(first + batch_size);
+    after = order.next(first + batch_size);
     next_batch<Kind> next{work, after, two[turn ^ 1], {}};
     uint32_t spans = 0;
     for (int k = 0; k < min_of(batch_size, work.count - first); ++k) {

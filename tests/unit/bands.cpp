@@ -1,7 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bands of rows of spans that threads share.
+// Bands of rows of spans that threads share, and the threads.
+#include <atomic>
+#include <barrier>
+#include <stdexcept>
+#include <thread>
+#include <vector>
+
 #include <sim/draw_host.hpp>
 #include <sim/figures.hpp>
+#include <sim/parallel.hpp>
 #include <tests/support.hpp>
 
 using namespace spantex;
@@ -31,11 +38,104 @@ SPANTEX_CASE(bands_are_as_high_as_they_are_planned) {
   assert_int_equal(bands(turned, filter::bilinear, choice::scalar, 40, 2), 32);
 }
 
+// As many parts are told as were announced, whatever is left out.
+SPANTEX_CASE(parts_add_up) {
+  scene_request r;
+  r.size = {67, 45};
+  const scene cubes = make_named_scene("fig8", r), plane = make_named_scene("tilted", r);
+  for (const scene* s : {&cubes, &plane})
+    for (const cull culled : {cull::none, cull::clockwise, cull::counterclockwise})
+      for (const kernels::choice kernel : {kernels::choice::scalar, kernels::choice::fastest})
+        for (const int threads : {1, 2, 3}) {
+          std::atomic<int> parts{0};
+          draw_options o;
+          o.culled = culled;
+          o.kernel = kernel;
+          o.threads = threads;
+          o.repeat = 2;
+          o.parts_done = [&](int n) { parts += n; };
+          draw(*s, o);
+          assert_int_equal(parts.load(), draw_parts(*s, o));
+        }
+}
+
+// Every band is cleared, its depths too: nothing of the picture before is left.
+SPANTEX_CASE(drawn_again_is_the_same) {
+  scene_request r;
+  r.size = {67, 45};
+  const scene s = make_named_scene("fig8", r);
+  for (const alpha_mode alpha : {alpha_mode::opaque, alpha_mode::blended})
+    for (const int threads : {1, 2, 3}) {
+      draw_options o;
+      o.kernel = kernels::choice::scalar;
+      o.how.alpha = alpha;
+      o.how.colour = {255, 255, 255, 128};
+      const draw_result once = draw(s, o);
+      o.threads = threads;
+      o.repeat = 3;
+      const draw_result again = draw(s, o);
+      assert_true(once.picture.pixels == again.picture.pixels);
+      assert_int_equal(once.work.pixels, again.work.pixels);
+      assert_int_equal(once.work.spans_hidden, again.work.spans_hidden);
+      assert_int_equal(once.skipped.spans_below_floor, again.skipped.spans_below_floor);
+    }
+}
+
+// Each once, whatever the number of threads; what fails is told.
+SPANTEX_CASE(a_team_does_everything_once) {
+  for (const int threads : {1, 2, 3, 7}) {
+    thread_team team(threads);
+    for (const int count : {0, 1, 2, 5, 6, 7, 8, 100, 1000}) {
+      std::vector<std::atomic<int>> times(static_cast<size_t>(count));
+      team.run(count, [&](int k) { ++times[size_t(k)]; });
+      for (const std::atomic<int>& t : times) assert_int_equal(t.load(), 1);
+    }
+    std::atomic<int> done{0};
+    bool told = false;
+    try {
+      team.run(1000, [&](int k) {
+        if (k == 0) throw std::runtime_error("0");
+        std::this_thread::sleep_for(std::chrono::microseconds(50));
+        ++done;
+      });
+    } catch (const std::runtime_error&) {
+      told = true;
+    }
+    assert_true(told);
+    assert_true(done < 999);
+    team.run(1, [&](int) { done = 0; });
+    assert_int_equal(done.load(), 0);
+  }
+}
+
+// As long as nobody is behind.
+SPANTEX_CASE(threads_keep_their_shares) {
+  constexpr int threads = 4, each = 3;
+  thread_team team(threads);
+  std::thread::id by[2][threads * each];
+  for (auto& now : by) {
+    std::barrier in_step(threads);  // so that all are as fast
+    team.run(threads * each, [&](int k) {
+      now[k] = std::this_thread::get_id();
+      in_step.arrive_and_wait();
+    });
+  }
+  for (int k = 0; k < threads * each; ++k) {
+    assert_true(by[0][k] == by[1][k]);
+    assert_true(by[0][k] == by[0][k / each * each]);
+    if (k >= each) assert_true(by[0][k] != by[0][k - each]);
+  }
+}
+
 }  // namespace
 
 int main() {
   const CMUnitTest tests[] = {
       cmocka_unit_test(bands_are_as_high_as_they_are_planned),
+      cmocka_unit_test(parts_add_up),
+      cmocka_unit_test(drawn_again_is_the_same),
+      cmocka_unit_test(a_team_does_everything_once),
+      cmocka_unit_test(threads_keep_their_shares),
   };
   return run_suite("bands", tests);
 }

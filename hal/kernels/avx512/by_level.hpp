@@ -96,28 +96,28 @@ SPANTEX_INLINE void place(const planar_map& map, int32_t last_level, int32_t bas
     s.at.take_two(s.bits, s.half, base_u, base_v, _mm256_set_m128i(_mm512_castsi512_si128(coarse_level), _mm512_castsi512_si128(fine_level)));
   }
   const auto ends_on = [&](v16 level, int after) SPANTEX_INLINED { return Scaled ? scale_ends(map, reach, level, turns, s.scaled[after]) : end_texels(reach, level); };
-  const v16 fine_ends = ends_on(fine_level, 0);
-  find_sections<false>(map, fine_ends, fine_level, s.fine);
-  s.fine_in = held_in::narrow;
+  const section_ends fine_ends(map, ends_on(fine_level, 0), fine_level);
+  find_sections<false>(fine_ends, s.fine);
+  s.fine_in = held_in::narrow;  // or as the quad that takes most
   if (s.fine.fit != 0xF) {
-    find_sections<true>(map, fine_ends, fine_level, s.fine);
+    find_sections<true>(fine_ends, s.fine);
     s.fine_in = held_in::wide;
   }
   s.fit = s.fine.fit;
   if (s.fit != 0xF) {
-    find_large_sections(map, fine_ends, fine_level, s.large);
+    find_large_sections(fine_ends, s.large);
     s.fine_in = held_in::large;
     s.fit = s.large.fit;
   }
   s.one_level = TwoLevels && !s.crossing && _mm512_test_epi32_mask(_mm512_or_si512(_mm512_or_si512(s.level[0], s.level[1]), _mm512_or_si512(s.level[2], s.level[3])), of32<255>()) == 0;
   if (s.one_level || (!TwoLevels && !s.crossing)) return;
-  find_sections<false>(map, ends_on(coarse_level, 1), coarse_level, s.coarse);
+  find_sections<false>(section_ends(map, ends_on(coarse_level, 1), coarse_level), s.coarse);
   s.fit &= s.coarse.fit;
   if (!s.crossing) [[likely]] return;
   if constexpr (TwoLevels) {
     const v16 next_level = further(coarse_level);
     if constexpr (!Scaled) s.at.take_next(s.bits, s.half, base_u, base_v, _mm512_castsi512_si128(next_level));
-    find_sections<false>(map, ends_on(next_level, 2), next_level, s.next);
+    find_sections<false>(section_ends(map, ends_on(next_level, 2), next_level), s.next);
     s.fit &= s.next.fit;
   }
   for (int n = 0; n < quads; ++n)

@@ -75,28 +75,38 @@ SPANTEX_INLINE v16 even_and_odd(v16 start) {
   return _mm512_or_si512(_mm512_andnot_si512(one, _mm512_add_epi32(start, _mm512_sub_epi32(one, ends))), ends);
 }
 
-// texel: of the level that the ends need.
+// What sections of any size need of the quads' ends: their texels, on the quads' levels.
+struct section_ends {
+  v16 texel, block, start, least, last, unit, origin;  // start: the first ends' blocks: u, v, u, v; unit: bytes from block to block
+  __mmask16 outside;                                   // where the map has no block
+  SPANTEX_INLINE section_ends(const planar_map& map, v16 at, v16 level) : texel(at), block(_mm512_srai_epi32(at, 3)), start(_mm512_shuffle_i32x4(block, block, 0x44)), least(of32<-apron>()) {
+    const planar_levels& texels = map.levels();
+    last = of_levels(level, texels.last_column, texels.last_row);
+    unit = of_levels(level, texels.column_bytes, texels.row_bytes);
+    origin = _mm512_permutexvar_epi32(level, _mm512_load_si512(texels.origin));
+    outside = __mmask16(repeating_axes(map) & _mm512_cmpneq_epi32_mask(held(block), block));
+  }
+  SPANTEX_INLINE v16 held(v16 k) const { return _mm512_max_epi32(_mm512_min_epi32(k, last), least); }
+  SPANTEX_INLINE v16 bytes_of(v16 k) const { return _mm512_mullo_epi32(held(k), unit); }
+  SPANTEX_INLINE uint32_t fitting(v16 from, v16 most) const {  // bit n: no more than so many from quad n's first end to its last
+    const uint32_t bad = (firsts & _mm512_cmpgt_epi32_mask(spread_of(from), most)) | outside;
+    return bad == 0 ? 0xF : ~some_axis(bad) & 0xF;
+  }
+};
+
 template <bool Wide>
-SPANTEX_INLINE void find_sections(const planar_map& map, v16 texel, v16 level, span_sections& s) {
-  const planar_levels& texels = map.levels();
-  const v16 one = set32(1), block = _mm512_srai_epi32(texel, 3), least = of32<-apron>(), last = of_levels(level, texels.last_column, texels.last_row);
-  const v16 from = Wide ? block : _mm512_mask_mov_epi32(block, of_u, texel);  // narrow: columns are counted
-  const v16 most = Wide ? one : _mm512_mask_mov_epi32(one, of_u, of32<block_side - 1>());
-  const __mmask16 outside = __mmask16(repeating_axes(map) & _mm512_cmpneq_epi32_mask(_mm512_max_epi32(_mm512_min_epi32(block, last), least), block));
-  const __mmask16 bad = __mmask16((firsts & _mm512_cmpgt_epi32_mask(spread_of(from), most)) | outside);
-  const v16 start = _mm512_shuffle_i32x4(block, block, 0x44);  // u, v, u, v
-  v16 parity = even_and_odd(start);
-  if constexpr (!Wide) parity = _mm512_mask_mov_epi32(parity, of_u, block);
-  const v16 held = _mm512_max_epi32(_mm512_min_epi32(parity, last), least);
-  const v16 bytes = _mm512_mullo_epi32(held, of_levels(level, texels.column_bytes, texels.row_bytes));
-  const v16 origin = _mm512_permutexvar_epi32(level, _mm512_load_si512(texels.origin));
+SPANTEX_INLINE void find_sections(const section_ends& e, span_sections& s) {
+  const v16 one = set32(1), two = even_and_odd(e.start);
+  const v16 bytes = e.bytes_of(Wide ? two : _mm512_mask_mov_epi32(two, of_u, e.block));
   const v16 across = _mm512_shuffle_i32x4(bytes, bytes, 0xA0), down = _mm512_shuffle_i32x4(bytes, bytes, 0xDD);
-  _mm512_store_si512(s.at, _mm512_add_epi32(_mm512_add_epi32(across, down), origin));
-  if constexpr (!Wide) {
-    const __m512i column = _mm512_cvtepi32_epi64(_mm512_castsi512_si256(_mm512_and_si512(texel, of32<7>())));
+  _mm512_store_si512(s.at, _mm512_add_epi32(_mm512_add_epi32(across, down), e.origin));
+  if constexpr (Wide) {
+    s.fit = e.fitting(e.block, one);
+  } else {
+    s.fit = e.fitting(_mm512_mask_mov_epi32(e.block, of_u, e.texel), _mm512_mask_mov_epi32(one, of_u, of32<block_side - 1>()));  // columns are counted
+    const __m512i column = _mm512_cvtepi32_epi64(_mm512_castsi512_si256(_mm512_and_si512(e.texel, of32<7>())));
     _mm256_store_si256(reinterpret_cast<__m256i*>(s.merged), _mm512_castsi512_si256(_mm512_permutexvar_epi64(column, _mm512_loadu_si512(columns_below))));
   }
-  s.fit = bad == 0 ? 0xF : ~some_axis(bad) & 0xF;
 }
 
 // 24x24 texels, where two blocks either way are too few: the even one of the first two, the odd one, the third.
@@ -107,30 +117,26 @@ struct large_section {
 };
 
 struct alignas(64) large_sections {
-  int32_t two[2][2][quads], third_column[2][quads], third_row[2][quads], corner[quads], column[quads], row[quads];
-  uint32_t fit;  // bit n: quad n's section is in here
+  int32_t two[2][2][quads];    // the even and the odd column; their even and odd row
+  int32_t third[2][2][quads];  // the third column: its even and odd row; the third row: its even and odd column
+  int32_t corner[quads], first[2][quads];  // both third; the first column and row
+  uint32_t fit;                // bit n: quad n's section is in here
   SPANTEX_INLINE large_section of(const uint8_t* blocks, int n) const {
     return {blocks,
-            {{two[0][0][n], two[0][1][n], third_row[0][n]}, {two[1][0][n], two[1][1][n], third_row[1][n]}, {third_column[0][n], third_column[1][n], corner[n]}},
-            column[n],
-            row[n]};
+            {{two[0][0][n], two[0][1][n], third[1][0][n]}, {two[1][0][n], two[1][1][n], third[1][1][n]}, {third[0][0][n], third[0][1][n], corner[n]}},
+            first[0][n],
+            first[1][n]};
   }
 };
 
-SPANTEX_INLINE void find_large_sections(const planar_map& map, v16 texel, v16 level, large_sections& s) {
-  const planar_levels& texels = map.levels();
-  const v16 block = _mm512_srai_epi32(texel, 3), least = of32<-apron>(), last = of_levels(level, texels.last_column, texels.last_row);
-  const auto held = [&](v16 k) SPANTEX_INLINED { return _mm512_max_epi32(_mm512_min_epi32(k, last), least); };
-  const __mmask16 bad = __mmask16((firsts & _mm512_cmpgt_epi32_mask(spread_of(block), of32<2>())) | (repeating_axes(map) & _mm512_cmpneq_epi32_mask(held(block), block)));
-  const v16 start = _mm512_shuffle_i32x4(block, block, 0x44);  // u, v, u, v
-  const v16 unit = of_levels(level, texels.column_bytes, texels.row_bytes), origin = _mm512_permutexvar_epi32(level, _mm512_load_si512(texels.origin));
-  const v16 two = _mm512_mullo_epi32(held(even_and_odd(start)), unit), third = _mm512_mullo_epi32(held(_mm512_add_epi32(start, of32<2>())), unit);
-  const v16 columns = _mm512_add_epi32(two, origin), third_columns = _mm512_add_epi32(third, origin);
+SPANTEX_INLINE void find_large_sections(const section_ends& e, large_sections& s) {
+  const v16 two = e.bytes_of(even_and_odd(e.start)), third = e.bytes_of(_mm512_add_epi32(e.start, of32<2>()));
+  const v16 columns = _mm512_add_epi32(two, e.origin), third_columns = _mm512_add_epi32(third, e.origin);
   _mm512_store_si512(s.two, _mm512_add_epi32(_mm512_shuffle_i32x4(columns, columns, 0xA0), _mm512_shuffle_i32x4(two, two, 0xDD)));
-  _mm512_store_si512(s.third_column, _mm512_add_epi32(_mm512_shuffle_i32x4(third_columns, columns, 0x80), _mm512_shuffle_i32x4(two, third, 0x5D)));
+  _mm512_store_si512(s.third, _mm512_add_epi32(_mm512_shuffle_i32x4(third_columns, columns, 0x80), _mm512_shuffle_i32x4(two, third, 0x5D)));
   _mm_store_si128(reinterpret_cast<__m128i*>(s.corner), _mm512_castsi512_si128(_mm512_add_epi32(third_columns, _mm512_shuffle_i32x4(third, third, 0x55))));
-  _mm256_storeu_si256(reinterpret_cast<__m256i*>(s.column), _mm512_castsi512_si256(block));
-  s.fit = ~some_axis(bad) & 0xF;
+  _mm256_storeu_si256(reinterpret_cast<__m256i*>(s.first), _mm512_castsi512_si256(e.block));
+  s.fit = e.fitting(e.block, of32<2>());
 }
 
 template <bool Wide>

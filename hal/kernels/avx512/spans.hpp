@@ -165,7 +165,7 @@ SPANTEX_INLINE bool draw_bilinear(const row_work& work, const batch& b, int k) {
   } else {
     span_sections sections;
     const v16 level = _mm512_setzero_si512();
-    find_sections<true>(map, end_texels(reach_of(o.u, o.v, o.bits, b.base_u[k], b.base_v[k]), level), level, sections);
+    find_sections<true>(section_ends(map, end_texels(reach_of(o.u, o.v, o.bits, b.base_u[k], b.base_v[k]), level), level), sections);
     if (sections.fit != 0xF) return false;
     shorten(0, o.u, o.v, o.bits, o.half);
 #pragma GCC unroll 4
