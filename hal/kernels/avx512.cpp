@@ -73,9 +73,9 @@ namespace by_blocks {
 #include "avx512/upright.hpp"
 #include "avx512/aniso.hpp"
 
-// Whether quads of the row's span k take, on level 0, more texels across than local memory holds as a rule: their three steps are more than 6.75 texels. From
-// there on spans drawn from local memory after all are no faster than by rows, and those that are planned in vain take half as much again. `unknown`: of spans
-// behind the viewer, and of those that a plan could not tell either.
+// Whether quads of the row's span k take, on level 0, more texels across than two blocks hold wherever they begin: their three pixels are more than 7 texels.
+// Below, a span from local memory takes five sixths of what it takes by rows; beyond, what is planned in vain takes half as much again. `unknown`: of spans behind
+// the viewer, and of those that a plan could not tell either.
 bool beyond_sections(const row_work& work, int k, bool unknown) {
   const plane& p = *work.map;
   const int32_t cx = 2 * span_side * (work.sx + k) + span_side, cy = 2 * span_side * work.sy + span_side;
@@ -84,7 +84,7 @@ bool beyond_sections(const row_work& work, int k, bool unknown) {
   const auto beyond = [&](const linear_form& f) {
     const int64_t base = p.value(f, cx, cy) / w;
     if (magnitude(base) > 32767) return unknown;
-    return magnitude(f.x - base * p.w.x) + magnitude(f.y - base * p.w.y) > uint64_t(w / 8 * 9);  // a pixel is two steps
+    return magnitude(f.x - base * p.w.x) + magnitude(f.y - base * p.w.y) > uint64_t(w / 6 * 7);  // a pixel is two steps
   };
   return beyond(p.u) || beyond(p.v);
 }
