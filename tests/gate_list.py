@@ -101,7 +101,7 @@ GATES = [
     ("copies of a map that begins again a texel late", "hal/kernels/shortcuts.cpp", "count > 0; at = 0", "count > 0; at = 1", "kernels", "whole_texels*", KERNELS),
     ("parts of spans copied whole", "hal/kernels/shortcuts.cpp", "if (bits == a_row)", "if (bits != 0)", "kernels", "whole_texels*", KERNELS),
     ("a map of one colour but one texel filled", "hal/kernels/row_levels.cpp", "uniform_ &= texels_.back() == texels_.front();", "", "kernels", "random_planes*", KERNELS),
-    ("scaled planes: columns of the row's length", 'hal/kernels/upright.cpp', 'span_of(&u, nullptr, std::max(u.bits, row_bits));', 'span_of(&u, nullptr, row_bits);', "scaled_planes", "spans_of_two*", KERNELS),
+    ("scaled planes: columns of the row's length", 'hal/kernels/upright.cpp', 'span_of(&u, nullptr, std::max(u.bits, t.row_bits));', 'span_of(&u, nullptr, t.row_bits);', "scaled_planes", "spans_of_two*", KERNELS),
     ("scaled planes: rows of the first length", "hal/kernels/upright.cpp", "if (k > 0 && at[j] != y) return false;", "", "scaled_planes", "spans_of_two*", KERNELS),
     ("scaled planes: the level of the first length", "hal/kernels/upright.cpp", "t.level = t.lengths.size() == 1 || t.level == level ? level : -1;", "t.level = level;", "scaled_planes", "levels_of_two*", KERNELS),
     ("scaled planes: low ones span by span", "hal/kernels/upright.hpp", "least_rows = 4;", "least_rows = 5;", "scaled_planes", "scaled_planes", KERNELS),

@@ -83,11 +83,23 @@ int32_t upright_plane::on_level(coordinate x, uint32_t ratio, bool one, int leve
   return kind_ == filter::nearest ? nearest_texel(x, one) : blended(x, ratio, one, level, by);
 }
 
-void upright_plane::place_columns(int row_bits, int level, upright_columns& out) const {
-  out.sx = sx_;
+void upright_plane::place_columns(int fine, int levels, table& t) const {
+  upright_columns* const on[2] = {&t.fine, &t.coarse};
+  uint32_t ratio[2];
+  bool one[2];
+  for (int n = 0; n < levels; ++n) {
+    on[n]->sx = sx_;
+    on[n]->at.resize(columns_.size() * span_side);
+    ratio[n] = texture_.ratio_u(fine + n);
+    one[n] = texture_.width(fine + n) == 1;
+  }
+  size_t at = 0;
   for (const column& u : columns_) {
-    const span_coefficients c = span_of(&u, nullptr, std::max(u.bits, row_bits));
-    for (int i = 0; i < span_side; ++i) out.at.push_back(on_level(position_at(prof{}, c, i, 0).u, texture_.ratio_u(level), texture_.width(level) == 1, level));
+    const span_coefficients c = span_of(&u, nullptr, std::max(u.bits, t.row_bits));
+    for (int i = 0; i < span_side; ++i, ++at) {
+      const coordinate x = position_at(prof{}, c, i, 0).u;
+      for (int n = 0; n < levels; ++n) on[n]->at[at] = on_level(x, ratio[n], one[n], fine + n);
+    }
   }
 }
 
@@ -121,8 +133,7 @@ upright_plane::table& upright_plane::table_of(const column& v, int row_bits) {
     if (t.level < 0) return t;
   }
   const int fine = integer_level(kind_, t.level, by.level_bits, texture_.last_level());
-  place_columns(row_bits, fine, t.fine);
-  if (uses_two_levels(kind_) && fine < texture_.last_level()) place_columns(row_bits, fine + 1, t.coarse);
+  place_columns(fine, uses_two_levels(kind_) && fine < texture_.last_level() ? 2 : 1, t);
   return t;
 }
 

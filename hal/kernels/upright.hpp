@@ -62,7 +62,7 @@ class upright_plane {
   void find_columns();
   span_coefficients span_of(const column* u, const column* v, int bits) const;
   table& table_of(const column& v, int row_bits);
-  void place_columns(int row_bits, int level, upright_columns& out) const;
+  void place_columns(int fine, int levels, table& t) const;
   bool place_rows(const column& v, const table& t, int level, int32_t (&at)[span_side]) const;
   int32_t on_level(coordinate x, uint32_t ratio, bool one, int level) const;
   bool known(int bits, int32_t base) const;

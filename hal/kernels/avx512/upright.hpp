@@ -14,19 +14,20 @@ enum windows : int { one, two };
 constexpr int near_windows = 0, far_windows = 2, first_register = 4;  // 32-bit numbers
 template <bool Blend> constexpr int pair_size = first_register + 16 * (Blend ? 4 : 1);
 
+// A span of a pair: where its pixels lie, in the texels' windows and, to blend, between texels.
 template <bool Blend>
-void prepare_pair(const int32_t (&in_window)[pair_width], const int32_t (&position)[pair_width], int32_t* to) {
+SPANTEX_INLINE void prepare_span(__m256i in_window, __m256i position, int k, int32_t* registers) {
   if constexpr (!Blend) {
-    for (int i = 0; i < pair_width; ++i) to[i] = in_window[i];
+    _mm256_storeu_si256(reinterpret_cast<__m256i*>(registers + span_side * k), in_window);
     return;
   }
-  for (int i = 0; i < pair_width; ++i) {
-    const auto f = uint32_t(position[i] & ((1 << q.subtexel_bits) - 1)), from = uint32_t(in_window[i]) * 4;
-    int32_t* const span = to + 32 * (i / span_side) + 2 * (i % span_side);
-    span[0] = int32_t(from * 0x01010101u + 0x05010400u);
-    span[1] = int32_t(from * 0x01010101u + 0x07030602u);
-    span[16] = span[17] = int32_t(((f ^ 0x80) | ((256 - f) & 0xFF) << 8) * 0x00010001u);
-  }
+  const auto in_turn = [](__m256i a, __m256i b) { return _mm512_or_si512(_mm512_cvtepu32_epi64(a), _mm512_slli_epi64(_mm512_cvtepu32_epi64(b), 32)); };
+  const auto of8 = [](int32_t x) { return _mm256_set1_epi32(x); };
+  const __m256i from = _mm256_mullo_epi32(in_window, of8(0x04040404)), f = _mm256_and_si256(position, of8((1 << q.subtexel_bits) - 1));
+  const __m256i weights = _mm256_or_si256(_mm256_xor_si256(f, of8(0x80)), _mm256_slli_epi32(_mm256_and_si256(_mm256_sub_epi32(of8(256), f), of8(0xFF)), 8));
+  const __m256i both = _mm256_or_si256(weights, _mm256_slli_epi32(weights, 16));
+  _mm512_storeu_si512(registers + 32 * k, in_turn(_mm256_add_epi32(from, of8(0x05010400)), _mm256_add_epi32(from, of8(0x07030602))));
+  _mm512_storeu_si512(registers + 32 * k + 16, in_turn(both, both));
 }
 
 // False if some span takes more than two windows.
@@ -37,7 +38,6 @@ bool prepare_windows(const level_rows& map, upright_columns& columns) {
   columns.way = windows::one;
   for (int n = 0; n < pairs; ++n) {
     int32_t* const to = columns.prepared.data() + n * pair_size<Blend>;
-    int32_t in_window[pair_width] = {}, position[pair_width] = {};
     for (int k = 0; k < min_of(2, spans - 2 * n); ++k) {
       const int32_t* const at = columns.at.data() + (2 * n + k) * span_side;
       const auto texel = [&](int i) { return Blend ? at[i] >> q.subtexel_bits : at[i]; };
@@ -48,12 +48,9 @@ bool prepare_windows(const level_rows& map, upright_columns& columns) {
         columns.way = windows::two;
         to[far_windows + k] = map.column(start + window, window);
       }
-      for (int i = 0; i < span_side; ++i) {
-        in_window[span_side * k + i] = texel(i) - start;
-        position[span_side * k + i] = at[i];
-      }
+      const __m256i position = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(at));
+      prepare_span<Blend>(_mm256_sub_epi32(Blend ? _mm256_srai_epi32(position, q.subtexel_bits) : position, _mm256_set1_epi32(start)), position, k, to + first_register);
     }
-    prepare_pair<Blend>(in_window, position, to + first_register);
   }
   return true;
 }
