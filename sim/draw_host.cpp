@@ -56,10 +56,10 @@ bool planned_as_a_whole(const scene& s, const draw_options& o) {
 
 // A simulated machine a thread; the direct engine takes shorter bands where some rows, as those near a horizon, cost more than others.
 int count_bands(const scene& s, const draw_options& o) {
-  constexpr int bands_a_thread = 16;
+  constexpr int bands_a_thread = 16, least_rows = 4;  // of spans, where a band is planned as a whole
   if (o.sink != nullptr) return 1;
   if (o.engine != engine_choice::direct || o.threads == 1) return o.threads;
-  return planned_as_a_whole(s, o) ? std::min(o.threads, span_rows(s) / kernels::upright_plane::least_rows) : bands_a_thread * o.threads;
+  return planned_as_a_whole(s, o) ? std::min(o.threads, span_rows(s) / least_rows) : bands_a_thread * o.threads;
 }
 
 std::vector<band> make_bands(const scene& s, const draw_options& o) {

@@ -35,7 +35,12 @@ bool upright_plane::plans(const plane& p, filter kind) { return draws(kind) && !
 
 upright_plane::upright_plane(const surface& s, rectangle area)
     : map_(*s.map), texture_(*s.texture), kind_(s.kind), sx_(area.x0 / span_side), end_((area.x1 - 1) / span_side + 1), sy_(area.y0 / span_side),
-      wanted_((area.y1 - 1) / span_side - sy_ + 1 >= least_rows && plans(map_, kind_)) {}
+      wanted_(is_large(area) && plans(map_, kind_)) {}
+
+bool upright_plane::is_large(rectangle area) const {
+  const int rows = (area.y1 - 1) / span_side - sy_ + 1;
+  return rows >= least_rows && rows * (end_ - sx_) >= least_spans;
+}
 
 void upright_plane::find_columns() {
   wanted_ = false;

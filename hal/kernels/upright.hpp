@@ -44,8 +44,8 @@ struct rows_between {
 // Of a surface, profile default. Tables are made when the first row is asked for.
 class upright_plane {
  public:
-  static constexpr int least_rows = 4;  // of spans: fewer are drawn sooner one by one
-  static bool plans(const plane& p, filter kind);  // areas that are high enough
+  static constexpr int least_rows = 2, least_spans = 8;  // fewer are drawn sooner one by one
+  static bool plans(const plane& p, filter kind);  // areas that are large enough
   upright_plane(const surface& s, rectangle area);
 
   // Null where the row's spans must be planned one by one. What it returned before is then gone.
@@ -59,6 +59,7 @@ class upright_plane {
     int32_t level;             // of detail, the same for all of them; or less than 0
     upright_columns fine, coarse;
   };
+  bool is_large(rectangle area) const;
   void find_columns();
   span_coefficients span_of(const column* u, const column* v, int bits) const;
   table& table_of(const column& v, int row_bits);
