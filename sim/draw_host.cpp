@@ -81,7 +81,9 @@ struct target {
 
 // What is not kept.
 void clear(const target& out, band b, rgba8 background) {
-  const auto fill = [](auto& values, size_t first, size_t count, auto value) { std::fill_n(values.begin() + std::ptrdiff_t(first), values.empty() ? 0 : count, value); };
+  const auto fill = [](auto& values, size_t first, size_t count, auto value) {
+    if (!values.empty()) std::fill_n(values.begin() + std::ptrdiff_t(first), count, value);
+  };
   const int32_t width = out.picture.width_px;
   if (out.kept.empty()) {
     const size_t rows = size_t(b.y1 - b.y0), first_span = size_t(b.y0 / span_side) * size_t(out.columns()), spans = (rows + span_side - 1) / span_side * size_t(out.columns());
