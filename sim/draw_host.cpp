@@ -56,7 +56,7 @@ bool planned_as_a_whole(const scene& s, const draw_options& o) {
 
 // A simulated machine a thread; the direct engine takes shorter bands where some rows, as those near a horizon, cost more than others.
 int count_bands(const scene& s, const draw_options& o) {
-  constexpr int bands_a_thread = 16, least_rows = 4;  // of spans, where a band is planned as a whole
+  constexpr int bands_a_thread = 16, least_rows = 4;  // of spans, of bands that plan their columns, each again
   if (o.sink != nullptr) return 1;
   if (o.engine != engine_choice::direct || o.threads == 1) return o.threads;
   return planned_as_a_whole(s, o) ? std::min(o.threads, span_rows(s) / least_rows) : bands_a_thread * o.threads;
@@ -261,9 +261,9 @@ double draw_once(const scene& s, const draw_options& o, const prepared& ready, c
                  draw_result& result, frame_depths& depth) {
   std::vector<band_counts> counts(bands.size());
   const target out{result.picture, depth, ready, kept};
-  team.run(int(bands.size()), [&](int k) { clear(out, bands[size_t(k)], o.background); });
+  team.run_by_shares(int(bands.size()), [&](int k) { clear(out, bands[size_t(k)], o.background); });
   const auto begun = std::chrono::steady_clock::now();
-  team.run(int(bands.size()), [&](int k) {
+  team.run_by_shares(int(bands.size()), [&](int k) {
     const status done = draw_band_by_profile(s, o, bands[size_t(k)], out, counts[size_t(k)]);
     if (done != status::ok) throw input_error(s.name + ": " + to_string(done));
   });
@@ -326,8 +326,10 @@ profile profile_of(profile_choice choice, const profile_changes& changes) {
 
 namespace {
 
-scene without_culled(const scene& s, cull culled) {
-  scene kept = s;
+// What is left of the scene: made in `kept`, or the scene itself.
+const scene& without_culled(const scene& s, cull culled, scene& kept) {
+  if (culled == cull::none) return s;
+  kept = s;
   std::erase_if(kept.items, [&](const drawable& item) { return item.is_polygon && item.shape.front_facing == (culled == cull::clockwise); });
   return kept;
 }
@@ -335,9 +337,8 @@ scene without_culled(const scene& s, cull culled) {
 }  // namespace
 
 draw_result draw(const scene& all, const draw_options& options, frame_before* before) {
-  const bool culls = options.culled != cull::none;
-  const scene facing = culls ? without_culled(all, options.culled) : scene{};
-  const scene& s = culls ? facing : all;
+  scene kept_items;
+  const scene& s = without_culled(all, options.culled, kept_items);
   draw_result result;
   result.polygons_outside = s.polygons_outside;
   result.polygons_culled = int(all.items.size() - s.items.size());
@@ -386,9 +387,8 @@ draw_result draw(const scene& all, const draw_options& options, frame_before* be
 
 int draw_parts(const scene& all, const draw_options& options) {
   if (options.space == sampling_space::object) return 0;
-  const bool culls = options.culled != cull::none;
-  const scene facing = culls ? without_culled(all, options.culled) : scene{};
-  const scene& s = culls ? facing : all;
+  scene kept_items;
+  const scene& s = without_culled(all, options.culled, kept_items);
   const int bands = int(make_bands(s, options).size()), rows = span_rows(s);
   int parts = 0;
   for (const drawable& item : s.items) parts += item.is_polygon ? bands : rows;

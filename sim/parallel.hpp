@@ -34,19 +34,33 @@ class thread_team {
   thread_team(const thread_team&) = delete;
   ~thread_team() { dismiss(); }
 
-  // Calls work(k) for k in [0, count), each once; the first exception is thrown again here. A thread begins with a share of its own, the same one each time, since what it
-  // wrote there last may still lie in its processor's cache, and helps the others then.
+  // Calls work(k) for k in [0, count), each once, in this order; the first exception is thrown again here.
   template <class Work>
-  void run(int count, Work work) {
+  void run(int count, Work work) { run_from(count, [](int) { return 0; }, work); }
+
+  // The same, but a thread begins with a share of its own, the same one each time, since what it wrote there last may still lie in its processor's cache, and goes on
+  // with the others' then.
+  template <class Work>
+  void run_by_shares(int count, Work work) {
+    run_from(count, [&](int thread) { return int(int64_t(thread) * count / int64_t(others_.size() + 1)); }, work);
+  }
+
+ private:
+  static constexpr int last_round = -1;
+  static constexpr std::chrono::microseconds looking_out{2000};
+
+  // first_of: where a thread begins to look for work that nobody has taken.
+  template <class First, class Work>
+  void run_from(int count, First first_of, Work& work) {
     std::vector<std::atomic<bool>> taken(size_t(std::max(0, count)));
     std::atomic<bool> failed{false};
     std::exception_ptr error;
     std::mutex lock;
     share_ = [&](int thread) {
       try {
-        const int first = int(int64_t(thread) * count / int64_t(others_.size() + 1));
-        for (int n = 0; n < count && !failed; ++n)
-          if (const int k = (first + n) % count; !taken[size_t(k)] && !taken[size_t(k)].exchange(true)) work(k);
+        const size_t first = size_t(first_of(thread));
+        for (size_t n = 0; n < taken.size() && !failed; ++n)
+          if (const size_t k = (first + n) % taken.size(); !taken[k] && !taken[k].exchange(true)) work(int(k));
       } catch (...) {
         const std::lock_guard guard(lock);
         if (!error) error = std::current_exception();
@@ -60,10 +74,6 @@ class thread_team {
     for (int n = working_; n != 0; n = working_) wait_for_change(working_, n);
     if (error) std::rethrow_exception(error);
   }
-
- private:
-  static constexpr int last_round = -1;
-  static constexpr std::chrono::microseconds looking_out{2000};
 
   static void wait_for_change(const std::atomic<int>& value, int old) {
     const auto begun = std::chrono::steady_clock::now();

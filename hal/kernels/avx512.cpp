@@ -74,34 +74,35 @@ namespace by_blocks {
 #include "avx512/aniso.hpp"
 
 // Whether quads of the row's span k take, on level 0, more texels across than two blocks hold wherever they begin: their three pixels are more than 7 texels.
-// Below, a span from local memory takes five sixths of what it takes by rows; beyond, what is planned in vain takes half as much again. `unknown`: of spans behind
-// the viewer, and of those that a plan could not tell either.
-bool beyond_sections(const row_work& work, int k, bool unknown) {
+// Below, a span from local memory takes five sixths of what it takes by rows; beyond, what is planned in vain takes up to half as much again. `unknown`: spans
+// behind the viewer, and those that a plan could not tell either.
+enum class unknown : bool { held, beyond };
+bool beyond_sections(const row_work& work, int k, unknown taken_for) {
   const plane& p = *work.map;
   const int32_t cx = 2 * span_side * (work.sx + k) + span_side, cy = 2 * span_side * work.sy + span_side;
   const int64_t w = p.value(p.w, cx, cy);
-  if (w <= 0) return unknown;
+  if (w <= 0) return taken_for == unknown::beyond;
   const auto beyond = [&](const linear_form& f) {
     const int64_t base = p.value(f, cx, cy) / w;
-    if (magnitude(base) > 32767) return unknown;
+    if (magnitude(base) > 32767) return taken_for == unknown::beyond;
     return magnitude(f.x - base * p.w.x) + magnitude(f.y - base * p.w.y) > uint64_t(w / 6 * 7);  // a pixel is two steps
   };
   return beyond(p.u) || beyond(p.v);
 }
 
 // Batches of a row. Bilinear leaves the spans of those that are not worth a plan; whether there may be some is seen at the row's ends, since minification grows
-// towards one of them.
+// towards one of them as a rule.
 class batch_order {
  public:
   batch_order(const row_work& work, filter kind)
-      : work_(work), some_beyond_(kind == filter::bilinear && (beyond_sections(work, 0, true) || beyond_sections(work, work.count - 1, true))) {}
+      : work_(work), some_beyond_(kind == filter::bilinear && (beyond_sections(work, 0, unknown::beyond) || beyond_sections(work, work.count - 1, unknown::beyond))) {}
 
   // The first one from span `first` on; spans before it are left.
   int next(int first) const {
     if (!some_beyond_) return first;
     for (; first < work_.count; first += batch_size) {
       const int end = min_of(first + batch_size, work_.count);
-      if (!beyond_sections(work_, (first + end) / 2, false)) break;
+      if (!beyond_sections(work_, (first + end) / 2, unknown::held)) break;
       for (int k = first; k < end; ++k) work_.left[k] = work_.masks[k] != 0;
     }
     return first;

@@ -2,6 +2,7 @@
 // Bands of rows of spans that threads share, and the threads.
 #include <atomic>
 #include <barrier>
+#include <chrono>
 #include <stdexcept>
 #include <thread>
 #include <vector>
@@ -54,8 +55,9 @@ SPANTEX_CASE(parts_add_up) {
           o.threads = threads;
           o.repeat = 2;
           o.parts_done = [&](int n) { parts += n; };
-          draw(*s, o);
+          const draw_result drawn = draw(*s, o);
           assert_int_equal(parts.load(), draw_parts(*s, o));
+          assert_true((drawn.polygons_culled > 0) == (s == &cubes && culled != cull::none));
         }
 }
 
@@ -88,14 +90,20 @@ SPANTEX_CASE(a_team_does_everything_once) {
     for (const int count : {0, 1, 2, 5, 6, 7, 8, 100, 1000}) {
       std::vector<std::atomic<int>> times(static_cast<size_t>(count));
       team.run(count, [&](int k) { ++times[size_t(k)]; });
-      for (const std::atomic<int>& t : times) assert_int_equal(t.load(), 1);
+      team.run_by_shares(count, [&](int k) { ++times[size_t(k)]; });
+      for (const std::atomic<int>& t : times) assert_int_equal(t.load(), 2);
     }
     std::atomic<int> done{0};
+    std::atomic<bool> failed{false};
     bool told = false;
     try {
       team.run(1000, [&](int k) {
-        if (k == 0) throw std::runtime_error("0");
-        std::this_thread::sleep_for(std::chrono::microseconds(50));
+        if (k == 0) {
+          failed = true;
+          throw std::runtime_error("0");
+        }
+        while (!failed) std::this_thread::yield();
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
         ++done;
       });
     } catch (const std::runtime_error&) {
@@ -103,19 +111,33 @@ SPANTEX_CASE(a_team_does_everything_once) {
     }
     assert_true(told);
     assert_true(done < 999);
+    done = 1;
     team.run(1, [&](int) { done = 0; });
     assert_int_equal(done.load(), 0);
   }
 }
 
-// As long as nobody is behind.
+// In order, by whoever is free.
+SPANTEX_CASE(a_team_works_in_order) {
+  constexpr int threads = 4, each = 25;
+  thread_team team(threads);
+  std::atomic<int> round[threads * each];
+  std::atomic<int> begun{0};
+  std::barrier in_step(threads);
+  team.run(threads * each, [&](int k) {
+    round[k] = begun++ / threads;
+    in_step.arrive_and_wait();
+  });
+  for (int k = 0; k < threads * each; ++k) assert_int_equal(round[k].load(), k / threads);
+}
+
 SPANTEX_CASE(threads_keep_their_shares) {
   constexpr int threads = 4, each = 3;
   thread_team team(threads);
   std::thread::id by[2][threads * each];
   for (auto& now : by) {
-    std::barrier in_step(threads);  // so that all are as fast
-    team.run(threads * each, [&](int k) {
+    std::barrier in_step(threads);  // so that nobody has time to help
+    team.run_by_shares(threads * each, [&](int k) {
       now[k] = std::this_thread::get_id();
       in_step.arrive_and_wait();
     });
@@ -135,6 +157,7 @@ int main() {
       cmocka_unit_test(parts_add_up),
       cmocka_unit_test(drawn_again_is_the_same),
       cmocka_unit_test(a_team_does_everything_once),
+      cmocka_unit_test(a_team_works_in_order),
       cmocka_unit_test(threads_keep_their_shares),
   };
   return run_suite("bands", tests);

@@ -98,7 +98,7 @@ SPANTEX_INLINE void place(const planar_map& map, int32_t last_level, int32_t bas
   const auto ends_on = [&](v16 level, int after) SPANTEX_INLINED { return Scaled ? scale_ends(map, reach, level, turns, s.scaled[after]) : end_texels(reach, level); };
   const section_ends fine_ends(map, ends_on(fine_level, 0), fine_level);
   find_sections<false>(fine_ends, s.fine);
-  s.fine_in = held_in::narrow;  // or as the quad that takes most
+  s.fine_in = held_in::narrow;  // all four quads, or else what holds the most of them
   if (s.fine.fit != 0xF) {
     find_sections<true>(fine_ends, s.fine);
     s.fine_in = held_in::wide;

@@ -19,22 +19,22 @@ template <bool Blend>
 SPANTEX_INLINE void prepare_span(__m256i in_window, __m256i position, int k, int32_t* registers) {
   if constexpr (!Blend) {
     _mm256_storeu_si256(reinterpret_cast<__m256i*>(registers + span_side * k), in_window);
-    return;
+  } else {
+    const auto in_turn = [](__m256i a, __m256i b) { return _mm512_or_si512(_mm512_cvtepu32_epi64(a), _mm512_slli_epi64(_mm512_cvtepu32_epi64(b), 32)); };
+    const auto of8 = [](int32_t x) { return _mm256_set1_epi32(x); };
+    const __m256i from = _mm256_mullo_epi32(in_window, of8(0x04040404)), f = _mm256_and_si256(position, of8((1 << q.subtexel_bits) - 1));
+    const __m256i weights = _mm256_or_si256(_mm256_xor_si256(f, of8(0x80)), _mm256_slli_epi32(_mm256_and_si256(_mm256_sub_epi32(of8(256), f), of8(0xFF)), 8));
+    const __m256i both = _mm256_or_si256(weights, _mm256_slli_epi32(weights, 16));
+    _mm512_storeu_si512(registers + 32 * k, in_turn(_mm256_add_epi32(from, of8(0x05010400)), _mm256_add_epi32(from, of8(0x07030602))));
+    _mm512_storeu_si512(registers + 32 * k + 16, in_turn(both, both));
   }
-  const auto in_turn = [](__m256i a, __m256i b) { return _mm512_or_si512(_mm512_cvtepu32_epi64(a), _mm512_slli_epi64(_mm512_cvtepu32_epi64(b), 32)); };
-  const auto of8 = [](int32_t x) { return _mm256_set1_epi32(x); };
-  const __m256i from = _mm256_mullo_epi32(in_window, of8(0x04040404)), f = _mm256_and_si256(position, of8((1 << q.subtexel_bits) - 1));
-  const __m256i weights = _mm256_or_si256(_mm256_xor_si256(f, of8(0x80)), _mm256_slli_epi32(_mm256_and_si256(_mm256_sub_epi32(of8(256), f), of8(0xFF)), 8));
-  const __m256i both = _mm256_or_si256(weights, _mm256_slli_epi32(weights, 16));
-  _mm512_storeu_si512(registers + 32 * k, in_turn(_mm256_add_epi32(from, of8(0x05010400)), _mm256_add_epi32(from, of8(0x07030602))));
-  _mm512_storeu_si512(registers + 32 * k + 16, in_turn(both, both));
 }
 
 // False if some span takes more than two windows.
 template <bool Blend>
 bool prepare_windows(const level_rows& map, upright_columns& columns) {
   const int spans = int(columns.at.size()) / span_side, pairs = (spans + 1) / 2;
-  columns.prepared.resize(size_t(pairs * pair_size<Blend>));
+  columns.prepared.assign(size_t(pairs * pair_size<Blend>), 0);  // the last pair may have one span
   columns.way = windows::one;
   for (int n = 0; n < pairs; ++n) {
     int32_t* const to = columns.prepared.data() + n * pair_size<Blend>;
