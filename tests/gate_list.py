@@ -443,6 +443,8 @@ GATES = [
     ("bands of a frame half cleared", "sim/draw_host.cpp", "fill(out.picture.pixels, size_t(b.y0) * size_t(width), rows * size_t(width), background);", "fill(out.picture.pixels, size_t(b.y0) * size_t(width), rows * size_t(width) / 2, background);", "bands", "drawn_again*", OBJECT_SPACE),
     ("floors of a band not cleared", "sim/draw_host.cpp", "fill(out.depth.floors, first_span, spans, 0u);", "(void)first_span;", "bands", "drawn_again*", OBJECT_SPACE),
     ("depths of a band not cleared", "sim/draw_host.cpp", "fill(out.depth.values, size_t(b.y0) * size_t(width), rows * size_t(width), 0u);", "", "bands", "drawn_again*", OBJECT_SPACE),
+    ("depths of spans that are not kept not cleared", "sim/draw_host.cpp", "fill(out.depth.values, first, count, 0u);", "", "bands", "frames_drawn*", OBJECT_SPACE),
+    ("floors of spans that are not kept not cleared", "sim/draw_host.cpp", "fill(out.depth.floors, span, 1, 0u);", "", "bands", "frames_drawn*", OBJECT_SPACE),
     ("kept spans cleared", "sim/draw_host.cpp", "if (out.kept[span] != 0) continue;", "", "unchanged", "a_still*", OBJECT_SPACE),
     ("kept spans drawn again", "hal/kernels/rows.hpp", "if (scalar.keeps(first + k, sy)) {", "if (scalar.keeps(first + k, sy) && first < 0) {", "unchanged", "a_still*", OBJECT_SPACE),
     ("a kernel's surface under what is still computed", "sim/draw_host.cpp", "if (by_kernel) SPANTEX_TRY(renderer.flush());", "", "unchanged", "random*", OBJECT_SPACE),

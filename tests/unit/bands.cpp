@@ -10,6 +10,7 @@
 #include <sim/draw_host.hpp>
 #include <sim/figures.hpp>
 #include <sim/parallel.hpp>
+#include <sim/unchanged.hpp>
 #include <tests/support.hpp>
 
 using namespace spantex;
@@ -81,6 +82,31 @@ SPANTEX_CASE(drawn_again_is_the_same) {
       assert_int_equal(once.work.spans_hidden, again.work.spans_hidden);
       assert_int_equal(once.skipped.spans_below_floor, again.skipped.spans_below_floor);
     }
+}
+
+// Of spans that are not kept, too.
+SPANTEX_CASE(frames_drawn_again_are_the_same) {
+  scene_request r;
+  r.size = {67, 45};
+  const scene first = make_named_scene("turning", r);
+  r.turn_degrees = 7;
+  const scene second = make_named_scene("turning", r);
+  for (const int threads : {1, 2}) {
+    frame_before of_one, of_three;
+    draw_options o;
+    o.kernel = kernels::choice::scalar;
+    o.threads = threads;
+    draw(first, o, &of_one);
+    draw(first, o, &of_three);
+    const draw_result once = draw(second, o, &of_one);
+    o.repeat = 3;
+    const draw_result again = draw(second, o, &of_three);
+    assert_true(once.spans_unchanged > 0 && once.work.pixels > 0);
+    assert_true(once.picture.pixels == again.picture.pixels);
+    assert_int_equal(once.work.pixels, again.work.pixels);
+    assert_int_equal(once.work.spans_hidden, again.work.spans_hidden);
+    assert_int_equal(once.skipped.spans_below_floor, again.skipped.spans_below_floor);
+  }
 }
 
 // Each once, whatever the number of threads; what fails is told.
@@ -156,6 +182,7 @@ int main() {
       cmocka_unit_test(bands_are_as_high_as_they_are_planned),
       cmocka_unit_test(parts_add_up),
       cmocka_unit_test(drawn_again_is_the_same),
+      cmocka_unit_test(frames_drawn_again_are_the_same),
       cmocka_unit_test(a_team_does_everything_once),
       cmocka_unit_test(a_team_works_in_order),
       cmocka_unit_test(threads_keep_their_shares),
