@@ -25,6 +25,7 @@ class Target:
     emulator: str = "qemu-system-arm"
     compiler: str = "arm-none-eabi-g++"
     defines: list = field(default_factory=list)
+    library_flags: list = None  # where no libgcc is built for `flags`: those of one that runs there
 
     @property
     def is_arm(self):
@@ -39,6 +40,10 @@ def arm(name, machine, cpu, **more):
     return Target(name, machine, ["-mthumb", f"-mcpu={cpu}", *more.pop("flags", [])], **more)
 
 
+def riscv(name, architecture, **more):
+    return Target(name, "virt", [f"-march={architecture}", "-mabi=ilp32"], ram=0x80000000, emulator="qemu-system-riscv32", compiler="riscv64-unknown-elf-g++", **more)
+
+
 TARGETS = [
     arm("microbit", "microbit", "cortex-m0plus", flash_bytes=256 << 10, ram_bytes=16 << 10, defines=["-DSPANTEX_SMALL"]),
     arm("M0+", "mps2-an385", "cortex-m0plus"),
@@ -48,7 +53,8 @@ TARGETS = [
     arm("M33", "mps2-an505", "cortex-m33+nofp", flash=0x10000000, ram=0x38000000),
     arm("M55", "mps3-an547", "cortex-m55+nomve+nofp", flash_bytes=512 << 10, ram_bytes=512 << 10),
     arm("M55+MVE", "mps3-an547", "cortex-m55", flags=["-mfloat-abi=hard"], flash_bytes=512 << 10, ram_bytes=512 << 10),
-    Target("RV32IMAC", "virt", ["-march=rv32imac", "-mabi=ilp32"], ram=0x80000000, emulator="qemu-system-riscv32", compiler="riscv64-unknown-elf-g++"),
+    riscv("RV32IMAC", "rv32imac"),
+    riscv("RV32+Zb", "rv32imac_zba_zbb", library_flags=["-march=rv32imac", "-mabi=ilp32"]),
 ]
 
 
@@ -69,6 +75,10 @@ def run(*command, **more):
     return done.stdout
 
 
+def libgcc(target):
+    return run(target.compiler, *(target.library_flags or target.flags), "-print-libgcc-file-name").strip()
+
+
 def build(target, source, out, optimise="-O2", options=()):
     """A whole program for a target. Its name is `out`."""
     pathlib.Path(out).parent.mkdir(parents=True, exist_ok=True)
@@ -79,7 +89,7 @@ def build(target, source, out, optimise="-O2", options=()):
     else:
         layout = {"ram_origin": target.ram, "ram_length": target.ram_bytes}
         start, script = "firmware/targets/start_riscv.cpp", "firmware/targets/riscv.ld"
-    link = ["-nostartfiles", "-nostdlib", "-Wl,--gc-sections", "-T", script, *(f"-Wl,--defsym={n}={v}" for n, v in layout.items()), "-lgcc"]
+    link = ["-nostartfiles", "-nostdlib", "-Wl,--gc-sections", "-T", script, *(f"-Wl,--defsym={n}={v}" for n, v in layout.items()), libgcc(target)]
     run(target.compiler, *flags, source, start, *link, "-o", out)
     return out
 

@@ -1,7 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""`make targets` in short: the microbit, a Cortex-M4, an M55 with vectors and an RV32 core draw the host's pictures by rows, in no more instructions than recorded; sizes of
-the device library keep their limits. Skipped, saying so, where compilers or emulators are not installed."""
+"""`make targets`: every core draws the host's pictures by rows, in no more instructions than recorded; sizes of the device library keep their limits. Skipped, saying so, where compilers or emulators are not installed."""
 import os
 import pathlib
 import shutil
@@ -17,7 +16,7 @@ def main():
     if missing:
         print(f"not installed, skipped: {', '.join(missing)}")
         return 0
-    codes = [subprocess.run([ROOT / "tools/count_instructions", "--build", BUILD, "--only", "microbit,M4,M55+MVE,RV32IMAC"]).returncode,
+    codes = [subprocess.run([ROOT / "tools/count_instructions", "--build", BUILD]).returncode,
              subprocess.run([ROOT / "tools/size_report", "--build", BUILD]).returncode]
     return max(codes)
 

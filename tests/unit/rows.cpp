@@ -225,6 +225,20 @@ SPANTEX_CASE(colours_lie_between_their_texels_and_constants_stay) {
   }
 }
 
+// Two texels at a time in one product: every weight, channels at their ends, where sums come closest to leaving their half.
+SPANTEX_CASE(pairs_of_texels_are_weighted_as_the_specification_says) {
+  const uint16_t ends[] = {0, 0xFFFF, 0xF81F, 0x07E0};
+  for (uint32_t fu = 0; fu < 32; ++fu)
+    for (uint32_t fv = 0; fv < 32; ++fv)
+      for (int k = 0; k < 256; ++k) {
+        const rows::texels t{ends[k & 3], ends[k >> 2 & 3], ends[k >> 4 & 3], ends[k >> 6]}, other{t.t11, t.t01, t.t00, t.t10};
+        const uint32_t gu = 31 - fv, gv = fu, f = uint32_t(k) & 15;
+        const rows::detail::upper_sums four = rows::detail::four_points(t, fu, fv), next = rows::detail::four_points(other, gu, gv);
+        assert_int_equal(rows::detail::pixel_of(four), rows::rounded(rows::four_point(t, fu, fv), 10));
+        assert_int_equal(rows::detail::pixel_between(four, next, f), rows::rounded(rows::between_levels(rows::four_point(t, fu, fv), rows::four_point(other, gu, gv), f), 14));
+      }
+}
+
 SPANTEX_CASE(maps_and_filters_that_rows_do_not_have_are_refused) {
   random_source random(8);
   static plane p;
@@ -276,6 +290,7 @@ int main() {
       cmocka_unit_test(rows_in_lanes_are_those_made_one_by_one),
       cmocka_unit_test(positions_keep_their_bound),
       cmocka_unit_test(colours_lie_between_their_texels_and_constants_stay),
+      cmocka_unit_test(pairs_of_texels_are_weighted_as_the_specification_says),
       cmocka_unit_test(maps_and_filters_that_rows_do_not_have_are_refused),
       cmocka_unit_test(set_up_in_64_bits_gives_the_plane_of_128),
   };

@@ -51,27 +51,33 @@ constexpr uint32_t to_bytes(const source& s) { return uint32_t(s.pitch_bytes) <<
 
 inline constexpr int bilinear_bits = 2 * weight_bits, trilinear_bits = bilinear_bits + blend_bits;
 
-// Along u three channels in one product, exact; then along v two and one.
-struct halfway { uint32_t rb, g; };  // red in the upper half, blue in the lower; 5 fraction bits
-inline halfway along_u(uint32_t left, uint32_t right, uint32_t fu) {
-  const uint32_t x = spread(left) * ((1u << weight_bits) - fu) + spread(right) * fu;
-  return {(x & 0x3FFu) | (x & 0x3FFu << 11) << 5, x >> 21};
+// Of two texels side by side, left + 2^16 right, one channel is a pair; pairs of weights are the other way round, left in the upper half. Then
+//   pair weights = ... 2^32 + (left w_left + right w_right) 2^16 + left w_right,
+// and of both rows together neither sum leaves its half: 63 2^10 < 2^16.
+constexpr uint32_t pair_of(uint32_t left, uint32_t right) { return left | right << 16; }
+struct pair_weights { uint32_t top, bottom; };
+constexpr pair_weights weights_of(uint32_t fu, uint32_t fv) {
+  const uint32_t along_u = (1u << weight_bits << 16) - fu * 0xFFFF, bottom = along_u * fv;
+  return {(along_u << weight_bits) - bottom, bottom};
 }
-SPANTEX_WRAPS inline halfway along_v(const halfway& top, const halfway& bottom, uint32_t fv) {
-  return {(top.rb << weight_bits) + (bottom.rb - top.rb) * fv, (top.g << weight_bits) + (bottom.g - top.g) * fv};
+
+// Channels times weights, 10 fraction bits, in the upper halves; what is below is none of theirs.
+struct upper_sums { uint32_t r, g, b; };
+SPANTEX_WRAPS constexpr upper_sums four_points(uint32_t top, uint32_t bottom, const pair_weights& w) {
+  constexpr uint32_t five = 0x001F001F, six = 0x003F003F;
+  return {(top >> 11 & five) * w.top + (bottom >> 11 & five) * w.bottom, (top >> 5 & six) * w.top + (bottom >> 5 & six) * w.bottom, (top & five) * w.top + (bottom & five) * w.bottom};
 }
-inline halfway four_points(const texels& t, uint32_t fu, uint32_t fv) { return along_v(along_u(t.t00, t.t10, fu), along_u(t.t01, t.t11, fu), fv); }
-inline uint16_t pixel_of(const halfway& sum) {
-  const uint32_t rb = sum.rb + 0x02000200u, g = sum.g + 0x200u;
-  return uint16_t((rb >> 26) << 11 | (g >> 10) << 5 | (rb >> 10 & 31));
+constexpr upper_sums four_points(const texels& t, uint32_t fu, uint32_t fv) { return four_points(pair_of(t.t00, t.t10), pair_of(t.t01, t.t11), weights_of(fu, fv)); }
+constexpr uint16_t pixel_of(const upper_sums& sum) {
+  constexpr uint32_t half = 1u << bilinear_bits >> 1 << 16;
+  return uint16_t((sum.r + half) >> 26 << 11 | (sum.g + half) >> 26 << 5 | (sum.b + half) >> 26);
 }
 
 // Two levels by the fraction f of the level of detail, 4 bits.
-inline uint16_t pixel_between(const halfway& fine, const halfway& coarse, uint32_t f) {
+constexpr uint16_t pixel_between(const upper_sums& fine, const upper_sums& coarse, uint32_t f) {
   const uint32_t e = (1u << blend_bits) - f, half = 1u << trilinear_bits >> 1;
-  const uint32_t red = (fine.rb >> 16) * e + (coarse.rb >> 16) * f + half, blue = (fine.rb & 0xFFFF) * e + (coarse.rb & 0xFFFF) * f + half;
-  const uint32_t green = fine.g * e + coarse.g * f + half;
-  return uint16_t((red >> trilinear_bits) << 11 | (green >> trilinear_bits) << 5 | blue >> trilinear_bits);
+  const auto channel = [&](uint32_t x, uint32_t y) { return ((x >> 16) * e + (y >> 16) * f + half) >> trilinear_bits; };
+  return uint16_t(channel(fine.r, coarse.r) << 11 | channel(fine.g, coarse.g) << 5 | channel(fine.b, coarse.b));
 }
 
 // The texel beside t00 that the triangle has, and the weights of its edges.
@@ -87,16 +93,35 @@ inline uint32_t address(const source& s) { return uint32_t(reinterpret_cast<uint
 
 #else
 
-// Texel at the whole parts (v : u).
-inline const texel565* texel_at(const source& s, uint32_t vu) { return s.origin + int32_t(int16_t(vu)) + (int32_t(vu) >> 16) * (s.pitch_bytes >> 1); }
+// `pixel` of each position from `at` on; of straight rows in a loop of its own, where code need not be small.
+template <class Pixel>
+SPANTEX_WRAPS inline void draw_along(uint16_t* out, int count, walk at, const Pixel& pixel) {
+#if !SPANTEX_ROWS_THUMB1 && !defined(__OPTIMIZE_SIZE__)
+  if ((at.ddu | at.ddv) == 0) {
+    for (; count > 0; --count, at.u += at.du, at.v += at.dv) *out++ = pixel(at);
+    return;
+  }
+#endif
+  for (; count > 0; --count, at.step()) *out++ = pixel(at);
+}
+
+// Texel at whole parts.
+inline const texel565* texel_at(const source& s, int32_t u, int32_t v) { return s.origin + (u + v * (s.pitch_bytes >> 1)); }
 inline const texel565* below(const texel565* p, const source& s) {
   return reinterpret_cast<const texel565*>(reinterpret_cast<const uint8_t*>(p) + s.pitch_bytes);
 }
 
-inline halfway four_points(const texel565* p, const source& s, uint32_t fu, uint32_t fv) {
-  const texel565* const q = below(p, s);
-  return along_v(along_u(p[0], p[1], fu), along_u(q[0], q[1], fu), fv);
+// The texel and its neighbour to the right.
+#if defined(__ARMEL__) && defined(__ARM_FEATURE_UNALIGNED)
+inline uint32_t pair_at(const texel565* p) {
+  struct [[gnu::packed, gnu::may_alias]] word { uint32_t value; };
+  return reinterpret_cast<const word*>(p)->value;
 }
+#else
+inline uint32_t pair_at(const texel565* p) { return pair_of(p[0], p[1]); }
+#endif
+
+inline upper_sums four_points(const texel565* p, const source& s, uint32_t fu, uint32_t fv) { return four_points(pair_at(p), pair_at(below(p, s)), weights_of(fu, fv)); }
 
 #endif
 
@@ -106,16 +131,10 @@ inline void nearest_run(uint16_t* out, int count, const walk& from, const source
 #if SPANTEX_ROWS_DSP
   if ((from.ddu | from.ddv) == 0) dsp::nearest_straight(out, count, from, detail::address(s), detail::to_bytes(s));
   else dsp::nearest_bent(out, count, from, detail::address(s), detail::to_bytes(s));
+#elif SPANTEX_ROWS_THUMB1
+  thumb1::nearest(out, count, from, s.origin, s.pitch_bytes);
 #else
-  walk at = from;
-#if SPANTEX_ROWS_THUMB1
-  if (const int most = count & ~7; most != 0) {
-    thumb1::nearest(out, most, at, s.origin, s.pitch_bytes);
-    out += most;
-    count -= most;
-  }
-#endif
-  for (; count > 0; --count, at.step()) *out++ = *detail::texel_at(s, upper_halves(at.v, at.u));
+  detail::draw_along(out, count, from, [&](const walk& at) { return *detail::texel_at(s, texel_of(at.u), texel_of(at.v)); });
 #endif
 }
 
@@ -125,15 +144,12 @@ inline void nearest_masked_run(uint16_t* out, int count, const walk& from, const
   if ((from.ddu | from.ddv) == 0) dsp::nearest_masked_straight(out, count, from, detail::address(s), detail::to_bytes(s), masks);
   else dsp::nearest_masked_bent(out, count, from, detail::address(s), detail::to_bytes(s), masks);
 #else
-  walk at = from;
 #if SPANTEX_ROWS_THUMB1
-  if (const int most = count & ~7; most != 0 && thumb1::masks_fit(masks)) {
-    thumb1::nearest_masked(out, most, at, s.origin, masks);
-    out += most;
-    count -= most;
-  }
+  if (thumb1::masks_fit(masks)) return thumb1::nearest_masked(out, count, from, s.origin, masks);
 #endif
-  for (; count > 0; --count, at.step()) *out++ = *detail::texel_at(s, upper_halves(at.v, at.u) & masks);
+  detail::draw_along(out, count, from, [&](const walk& at) {
+    return *detail::texel_at(s, texel_of(at.u) & int32_t(masks & 0xFFFF), texel_of(at.v) & int32_t(masks >> 16));
+  });
 #endif
 }
 
@@ -148,9 +164,9 @@ inline void nearest_masked_run(uint16_t* out, int count, const walk& from, const
   thumb1::four_points(out, between.words, count, s.pitch_bytes);
 #else
   (void)between;
-  for (walk at = from; count > 0; --count, at.step()) {
-    *out++ = detail::pixel_of(detail::four_points(detail::texel_at(s, upper_halves(at.v, at.u)), s, weight_of(at.u), weight_of(at.v)));
-  }
+  detail::draw_along(out, count, from, [&](const walk& at) {
+    return detail::pixel_of(detail::four_points(detail::texel_at(s, texel_of(at.u), texel_of(at.v)), s, weight_of(at.u), weight_of(at.v)));
+  });
 #endif
 }
 
@@ -164,15 +180,15 @@ inline void nearest_masked_run(uint16_t* out, int count, const walk& from, const
   thumb1::three_points(out, between.words, count, s.pitch_bytes);
 #else
   (void)between;
-  for (walk at = from; count > 0; --count, at.step()) {
-    const texel565* const p = detail::texel_at(s, upper_halves(at.v, at.u));
+  detail::draw_along(out, count, from, [&](const walk& at) {
+    const texel565* const p = detail::texel_at(s, texel_of(at.u), texel_of(at.v));
     const texel565* const q = detail::below(p, s);
     const uint32_t fu = weight_of(at.u), fv = weight_of(at.v);
     const texel565* side = p + 1;
     uint32_t low = fv, high = fu;
     if (fv >= fu) { side = q; low = fu; high = fv; }
-    *out++ = detail::three_points(p[0], *side, q[1], high, low);
-  }
+    return detail::three_points(p[0], *side, q[1], high, low);
+  });
 #endif
 }
 
@@ -193,23 +209,21 @@ inline void nearest_masked_run(uint16_t* out, int count, const walk& from, const
 #elif SPANTEX_ROWS_THUMB1
   constexpr int most = thumb1::coarse_pixels_at_once;
   uint32_t *near = between.words, *const far = near + thumb1::pixel_words * longest_run;
-  thumb1::weighted_places<16>(near, count, at, fine.origin, fine.pitch_bytes, level, 1u << blend_bits, ~0u);
+  thumb1::weighted_places<16>(at, level, fine.origin, fine.pitch_bytes, 1u << blend_bits, ~0u).next(near, count);
   thumb1::fine_sums(near, count, fine.pitch_bytes);
   at.u += snap;
   at.v += snap;
-  for (; count > 0; count -= most, out += most, near += thumb1::pixel_words * most) {
+  for (thumb1::weighted_places<17> places(at, level, coarse.origin, coarse.pitch_bytes, 0, 1); count > 0; count -= most, out += most, near += thumb1::pixel_words * most) {
     const int n = min_of(count, most);
-    thumb1::weighted_places<17>(far, n, at, coarse.origin, coarse.pitch_bytes, level, 0, 1);
+    places.next(far, n);
     thumb1::coarse_pixels(out, near, far, n, coarse.pitch_bytes);
-    at = advanced(at, n);
-    level.start += n * level.step;
   }
 #else
   (void)between;
   for (; count > 0; --count, at.step(), level.start += level.step) {
     const int32_t u = (at.u + snap) >> 1, v = (at.v + snap) >> 1;
-    const detail::halfway a = detail::four_points(detail::texel_at(fine, upper_halves(at.v, at.u)), fine, weight_of(at.u), weight_of(at.v));
-    const detail::halfway b = detail::four_points(detail::texel_at(coarse, upper_halves(v, u)), coarse, weight_of(u), weight_of(v));
+    const detail::upper_sums a = detail::four_points(detail::texel_at(fine, texel_of(at.u), texel_of(at.v)), fine, weight_of(at.u), weight_of(at.v));
+    const detail::upper_sums b = detail::four_points(detail::texel_at(coarse, texel_of(u), texel_of(v)), coarse, weight_of(u), weight_of(v));
     *out++ = detail::pixel_between(a, b, fraction_of(level.start));
   }
 #endif

@@ -46,9 +46,6 @@ namespace spantex::rows {
 // Texels may lie in memory that was written as words.
 using texel565 = uint16_t __attribute__((__may_alias__));
 
-// v's upper half over u's: the whole parts of two positions.
-constexpr uint32_t upper_halves(int32_t v, int32_t u) { return (uint32_t(v) & 0xFFFF0000u) | uint32_t(u) >> 16; }
-
 // Channels far enough apart for weights of 5 bits: green 21..31, red 11..20, blue 0..10.
 inline constexpr uint32_t spread_mask = 0x07E0F81F;
 constexpr uint32_t spread(uint32_t texel) { return (texel | texel << 16) & spread_mask; }

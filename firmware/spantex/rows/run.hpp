@@ -306,8 +306,8 @@ SPANTEX_FRAME_APART inline int run_within_both(state& s, int count) {
 
 SPANTEX_FRAME_APART inline uint16_t pixel_between(const level_view& fine, const level_view& coarse, const level_walk& w, int32_t level) {
   const int32_t u = detail::coarser(w.at.u), v = detail::coarser(w.at.v);
-  const detail::halfway a = detail::four_points(detail::wrapped_texels(fine, w.base_u + texel_of(w.at.u), w.base_v + texel_of(w.at.v)), weight_of(w.at.u), weight_of(w.at.v));
-  const detail::halfway b = detail::four_points(detail::wrapped_texels(coarse, (w.base_u >> 1) + texel_of(u), (w.base_v >> 1) + texel_of(v)), weight_of(u), weight_of(v));
+  const detail::upper_sums a = detail::four_points(detail::wrapped_texels(fine, w.base_u + texel_of(w.at.u), w.base_v + texel_of(w.at.v)), weight_of(w.at.u), weight_of(w.at.v));
+  const detail::upper_sums b = detail::four_points(detail::wrapped_texels(coarse, (w.base_u >> 1) + texel_of(u), (w.base_v >> 1) + texel_of(v)), weight_of(u), weight_of(v));
   return detail::pixel_between(a, b, fraction_of(level));
 }
 
