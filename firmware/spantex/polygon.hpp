@@ -273,6 +273,19 @@ constexpr status begin_polygon(const projection& camera, polygon& out) {
   return camera.near_z <= 0 ? status::out_of_range : status::ok;
 }
 
+// A triangle whose vertices corner(0), corner(1), corner(2) are, each asked for once. The clip rectangle is out.box.
+template <class Corner>
+constexpr status make_triangle_of(const projection& camera, const Corner& corner, polygon& out) {
+  three_texels map{};
+  SPANTEX_TRY(begin_polygon(camera, out));
+  for (int n = 0; n < 3; ++n) {
+    const vertex& v = corner(n);
+    SPANTEX_TRY(hold_projected(v, camera, out.edges));
+    map.at[n] = {v.u, v.v};
+  }
+  return finish_triangle(camera.near_z, map, out);
+}
+
 // The clip rectangle is out.box.
 SPANTEX_FRAME_APART constexpr status make_polygon(const vertex* const* vertices, int count, const projection& camera, polygon& out, polygon_basis& basis) {
   if (count < 3 || count > max_polygon_vertices) return status::bad_size;

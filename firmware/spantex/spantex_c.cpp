@@ -131,14 +131,7 @@ SPANTEX_FRAME_APART status set_up_triangle(rows::picture_state& memory, const ta
 SPANTEX_FRAME_APART status set_up_triangle(rows::picture_state& memory, const target_type& target, const mesh& list, int32_t k) {
   const projection camera{list.camera->focal_x, list.camera->focal_y, list.camera->centre_x, list.camera->centre_y, list.camera->near_z};
   memory.shape.box = rows::screen_of(target);
-  detail::three_texels map{};
-  SPANTEX_TRY(detail::begin_polygon(camera, memory.shape));
-  for (int n = 0; n < 3; ++n) {
-    const vertex v = inside(rows::detail::corner_of(list, k, n));
-    SPANTEX_TRY(detail::hold_projected(v, camera, memory.shape.edges));
-    map.at[n] = {v.u, v.v};
-  }
-  return detail::finish_triangle(camera.near_z, map, memory.shape);
+  return detail::make_triangle_of(camera, [&](int n) { return inside(rows::detail::corner_of(list, k, n)); }, memory.shape);
 }
 
 template <class List>

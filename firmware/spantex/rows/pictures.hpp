@@ -111,10 +111,8 @@ SPANTEX_FRAME_APART status set_up_triangle(picture_state& memory, const Target& 
 }
 template <class Target>
 SPANTEX_FRAME_APART status set_up_triangle(picture_state& memory, const Target& target, const mesh& list, int32_t k) {
-  const vertex* const corners[] = {&corner_of(list, k, 0), &corner_of(list, k, 1), &corner_of(list, k, 2)};
-  spantex::detail::polygon_basis basis{};
   memory.shape.box = screen_of(target);
-  return spantex::detail::make_polygon(corners, 3, list.camera, memory.shape, basis);
+  return spantex::detail::make_triangle_of(list.camera, [&](int n) -> const vertex& { return corner_of(list, k, n); }, memory.shape);
 }
 
 // Of a list that was checked.
