@@ -42,6 +42,8 @@ GATES = [
     ("rows: the coarser level's border unheeded", F + "rows/run.hpp", "within_both(s.within.u, of_finer(c.u))", "s.within.u", "rows", "kernels_draw*repeat", []),
     ("rows: pairs of weights the wrong way round", F + "rows/kernels.hpp", "- fu * 0xFFFF,", "- (32 - fu) * 0xFFFF,", "rows", "pairs_of*", []),
     ("rows: sums of pairs not rounded", F + "rows/kernels.hpp", "half = 1u << bilinear_bits >> 1 << 16;", "half = 0 * bilinear_bits;", "rows", "pairs_of*", []),
+    ("rows: a seam's texels from one side", F + "rows/run.hpp", "x1 = (x + 1) & across;", "x1 = x & across;", "rows", "kernels_draw*repeat", []),
+    ("rows: seams seen too early", F + "rows/run.hpp", "s.near)) return -1;", "s.near)) return 1;", "rows", "kernels_draw*clamp", []),
     ("rows: colours cut", F + "rows/sample.hpp", "const uint32_t half = 1u << bits >> 1;", "const uint32_t half = 0 * bits;", "rows", "colours_lie*", []),
     ("a dither matrix turned", F + "pixels.hpp", "bayer.m[at.y & 7][at.x & 7]", "bayer.m[at.x & 7][at.y & 7]", "pixels", "every_colour*", []),
     ("blends of 16 bits by one alpha off", F + "pixels.hpp", "s * alpha + d * (255 - alpha)", "s * alpha + d * (256 - alpha)", "pixels", "every_blend*", []),

@@ -127,6 +127,10 @@ SPANTEX_FRAME_APART inline bool source_of(const level_view& t, interval u, inter
   return copy_of(t, u.low, v.low, base_u, base_v, neighbour, c, out) && lies_in(u, c.u) && lies_in(v, c.v);
 }
 
+// On the seam to the next copy, which two levels leave two texels wide and more.
+constexpr bool is_beside(int32_t position, borders b) { return uint32_t(position - b.end) < 2 << 16 || uint32_t(b.first - 1 - position) < 2 << 16; }
+constexpr bool is_beside(const walk& w, const copy& c) { return is_beside(w.u, c.u) || is_beside(w.v, c.v); }
+
 // Pixels of a run, `count` at most, that lie in one copy of the level, and that copy; 0 if not even the first.
 SPANTEX_FRAME_APART inline int run_within(const level_view& t, const level_walk& w, int count, int neighbour, source& out) {
   copy c;
@@ -138,6 +142,11 @@ inline uint32_t wrapped_texel(const level_view& t, int32_t x, int32_t y) {
   return t.texels[wrapped(t.wrap_v, y, t.height) * t.width + wrapped(t.wrap_u, x, t.width)];
 }
 inline texels wrapped_texels(const level_view& t, int32_t x, int32_t y) {
+  if (wraps_by_mask(t)) {
+    const int32_t across = t.width - 1, down = t.height - 1, x0 = x & across, x1 = (x + 1) & across;
+    const texel565 *const top = t.texels + (y & down) * t.width, *const bottom = t.texels + ((y + 1) & down) * t.width;
+    return {top[x0], top[x1], bottom[x0], bottom[x1]};
+  }
   const int32_t x0 = wrapped(t.wrap_u, x, t.width), x1 = wrapped(t.wrap_u, x + 1, t.width);
   const texel565 *const top = t.texels + wrapped(t.wrap_v, y, t.height) * t.width, *const bottom = t.texels + wrapped(t.wrap_v, y + 1, t.height) * t.width;
   return {top[x0], top[x1], bottom[x0], bottom[x1]};
@@ -292,12 +301,12 @@ struct state {
 
 namespace detail {
 
-// As run_within(), in one copy of each of two levels; that copy and where to read are the state's.
+// As run_within(), in one copy of each of two levels; that copy and where to read are the state's. -1 if there is none.
 SPANTEX_FRAME_APART inline int run_within_both(state& s, int count) {
   const level_walk& w = s.at;
   copy c;
-  if (!copy_of(s.fine, w.at.u, w.at.v, w.base_u, w.base_v, 1, s.within, s.near)) return 0;
-  if (!copy_of(s.coarse, coarser(w.at.u), coarser(w.at.v), w.base_u >> 1, w.base_v >> 1, 1, c, s.far)) return 0;
+  if (!copy_of(s.fine, w.at.u, w.at.v, w.base_u, w.base_v, 1, s.within, s.near)) return -1;
+  if (!copy_of(s.coarse, coarser(w.at.u), coarser(w.at.v), w.base_u >> 1, w.base_v >> 1, 1, c, s.far)) return -1;
   s.within = {within_both(s.within.u, of_finer(c.u)), within_both(s.within.v, of_finer(c.v))};
   return until_border(w.at, s.within, count);
 }
@@ -313,8 +322,12 @@ SPANTEX_FRAME_APART inline uint16_t pixel_between(const level_view& fine, const 
 
 // Between the state's levels, from where it is.
 [[gnu::noinline]] inline void draw_between(uint16_t* out, int count, state& s) {
-  while (count > 0) {
-    int n = detail::run_within_both(s, count);
+  for (bool known = false; count > 0;) {
+    int n = 0;
+    if (!known || !detail::is_beside(s.at.at, s.within)) {
+      n = detail::run_within_both(s, count);
+      known = n >= 0;
+    }
     if (n > 0) trilinear_run(out, n, s.at.at, s.near, s.far, s.level, s.between);
     else *out = pixel_between(s.fine, s.coarse, s.at, s.level.start);
     n = max_of(n, 1);
