@@ -28,7 +28,7 @@ SPANTEX_WRAPS inline carried carried_of(const walk& w, const texel565* origin, i
 }
 
 // clang-format off
-#define SPANTEX_STEP "adds %[u], %[u], %[du]\n adcs %[a], %[a], %[step]\n adds %[v], %[v], %[dv]\n bcc 2f\n add %[a], %[row]\n 2:\n"
+#define SPANTEX_STEP "adds %[u], %[u], %[du]\n adcs %[a], %[a], %[step]\n adds %[v], %[v], %[dv]\n bcc.n 2f\n add %[a], %[row]\n 2:\n"
 #define SPANTEX_STRAIGHT(OFFSET, BEND) "ldrh %[t], [%[a], %[a]]\n strh %[t], [%[out], #" OFFSET "]\n" SPANTEX_STEP
 #define SPANTEX_PIXEL(OFFSET, BEND) "asrs %[t], %[u], #16\n adds %[t], %[t], %[t]\n asrs %[s], %[v], #16\n muls %[s], %[pitch], %[s]\n adds %[t], %[t], %[s]\n" \
                                     "add %[u], %[du]\n add %[v], %[dv]\n ldrh %[t], [%[base], %[t]]\n strh %[t], [%[out], #" OFFSET "]\n" BEND
