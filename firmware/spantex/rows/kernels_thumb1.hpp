@@ -252,9 +252,6 @@ inline constexpr uint32_t twice = 0x10001;  // a texel times this and spread_mas
   "lsrs r4, %[x], #21\n lsrs r5, %[y], #21\n muls r4, %[mask], r4\n muls r5, r6, r5\n adds r5, r5, r4\n" \
   "lsrs r4, %[x], #11\n muls r4, %[mask], r4\n muls %[x], %[mask], %[x]\n lsrs %[mask], %[y], #11\n muls %[mask], r6, %[mask]\n adds r4, r4, %[mask]\n" \
   "muls %[y], r6, %[y]\n adds r6, %[x], %[y]\n"
-// clang-format on
-
-// clang-format off
 #define SPANTEX_FINE SPANTEX_LEVEL "subs %[from], %[from], #12\n stmia %[from]!, {r4, r5, r6}\n"
 #define SPANTEX_COARSE(OFFSET) "ldr %[s], %[two]\n" SPANTEX_LEVEL \
   "mov %[mask], %[fine]\n ldmia %[mask]!, {%[x], %[y], %[s]}\n mov %[fine], %[mask]\n adds r4, r4, %[x]\n adds r5, r5, %[y]\n adds r6, r6, %[s]\n" \
@@ -302,8 +299,7 @@ inline constexpr uint32_t twice = 0x10001;  // a texel times this and spread_mas
 #undef SPANTEX_ENTER_WITH
 #undef SPANTEX_PIXELS_ARE
 #undef SPANTEX_ROW
-#undef SPANTEX_LERP
-#undef SPANTEX_SUM
+#undef SPANTEX_CHANNEL
 #undef SPANTEX_BILINEAR
 
 }  // namespace spantex::rows::thumb1

@@ -320,7 +320,7 @@ SPANTEX_FRAME_APART inline uint16_t pixel_between(const level_view& fine, const 
   return detail::pixel_between(a, b, fraction_of(level));
 }
 
-// Between the state's levels, from where it is.
+// Between the state's levels, from where it is. A pixel beside the copy of the run before needs no search: it is read texel by texel.
 [[gnu::noinline]] inline void draw_between(uint16_t* out, int count, state& s) {
   for (bool known = false; count > 0;) {
     int n = 0;
