@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Drawing by rows, a pixel at a time as docs/SPEC.md "Rows" says it: its block is the largest aligned one that holds it and can be drawn, its position
+// Drawing by rows, a pixel at a time as docs/SPEC.md "Rows" says it: its block is found by halving the 32 x 32 pixels that hold it, its position
 // the row's polynomial, its colour a function of sample.hpp, every texel wrapped on its own. Slow; kernels and borders have no part in it.
 #pragma once
 #include <spantex/rows/draw.hpp>
@@ -11,13 +11,18 @@ struct reference_position { block b; int i, j; };
 // last_level < 0: a filter without levels.
 inline bool find_block(const plane& p, int32_t x, int32_t y, int last_level, reference_position& out) {
   reference r{};
-  for (int k = largest_block_log2; k >= 0; --k)
-    if (last_level < 0 ? block_at<false>(p, x >> k, y >> k, k, {}, r, out.b) : block_at<true>(p, x >> k, y >> k, k, {last_level, 0}, r, out.b)) {
-      out.i = int(x & ((1 << k) - 1));
-      out.j = int(y & ((1 << k) - 1));
-      return true;
+  const auto try_at = [&](int32_t x0, int32_t y0, int k, int n) {
+    return last_level < 0 ? block_at<false>(p, x0, y0, k, n, {}, r, out.b) : block_at<true>(p, x0, y0, k, n, {last_level, 0}, r, out.b);
+  };
+  for (int k = largest_block_log2, n = k;;) {
+    const int32_t x0 = x >> k << k, y0 = y >> n << n;
+    switch (try_at(x0, y0, k, n)) {
+      case outcome::behind: return false;
+      case outcome::drawn: out.i = int(x - x0); out.j = int(y - y0); return true;
+      case outcome::upper_and_lower: --n; break;
+      case outcome::left_and_right: --k; break;
     }
-  return false;
+  }
 }
 
 // Position on level 0, 2^-16 texel, by the row's polynomial.

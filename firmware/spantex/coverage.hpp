@@ -47,13 +47,18 @@ struct edge_set {
 
 constexpr int32_t centre_subpixels(int32_t pixel) { return pixel * (1 << subpixel_bits) + (1 << (subpixel_bits - 1)); }
 
+// An edge's least and largest value at the centres of width x height pixels.
+struct edge_range { int64_t corner, low, high; };
+constexpr edge_range range_of(const edge& e, int32_t x, int32_t y, int32_t width, int32_t height) {
+  constexpr int32_t step = 1 << subpixel_bits;
+  const int64_t corner = e.at(centre_subpixels(x), centre_subpixels(y)), far_x = e.a * ((width - 1) * step), far_y = e.b * ((height - 1) * step);
+  return {corner, corner + (far_x < 0 ? far_x : 0) + (far_y < 0 ? far_y : 0), corner + (far_x > 0 ? far_x : 0) + (far_y > 0 ? far_y : 0)};
+}
+
 // Pixels of span (sx, sy) on the inner side of one edge.
 constexpr span_mask edge_mask(const edge& e, int32_t sx, int32_t sy) {
-  constexpr int64_t step = int64_t(1) << subpixel_bits, reach = (span_side - 1) * step;
-  const int64_t corner = e.at(centre_subpixels(sx * span_side), centre_subpixels(sy * span_side));
-  const int64_t far_x = e.a * reach, far_y = e.b * reach;
-  const int64_t low = corner + (far_x < 0 ? far_x : 0) + (far_y < 0 ? far_y : 0);
-  const int64_t high = corner + (far_x > 0 ? far_x : 0) + (far_y > 0 ? far_y : 0);
+  constexpr int64_t step = int64_t(1) << subpixel_bits;
+  const auto [corner, low, high] = range_of(e, sx * span_side, sy * span_side, span_side, span_side);
   if (low >= 0) return full_mask;
   if (high < 0) return 0;
   span_mask mask = 0;

@@ -23,7 +23,7 @@ struct small_map {
   std::vector<std::vector<uint16_t>> levels;
   texture_view view;
 };
-static small_map& make_small_map(int32_t w, int32_t h, int count, wrap mode, random_source& random) {
+static small_map& make_small_map(int32_t w, int32_t h, int count, wrap across, wrap down, random_source& random) {
   static std::deque<small_map> maps;
   maps.clear();
   small_map& m = maps.emplace_back();
@@ -33,9 +33,10 @@ static small_map& make_small_map(int32_t w, int32_t h, int count, wrap mode, ran
     for (uint16_t& t : m.levels.back()) t = uint16_t(random.next());
     pointers[level] = m.levels.back().data();
   }
-  SPANTEX_ASSERT_OK(texture_view::make(texel_format::rgb565, pointers, count, w, h, mode, mode, m.view));
+  SPANTEX_ASSERT_OK(texture_view::make(texel_format::rgb565, pointers, count, w, h, across, down, m.view));
   return m;
 }
+static small_map& make_small_map(int32_t w, int32_t h, int count, wrap mode, random_source& random) { return make_small_map(w, h, count, mode, mode, random); }
 
 // W between an eighth and one over the picture, coordinates of any direction and scale; some with straight rows, some facing the viewer.
 static homography random_homography(random_source& random, int kind) {
@@ -61,20 +62,26 @@ static void check_picture(const homography& m, const texture_view& t, filter kin
     }
 }
 
-static void check_maps(wrap mode, uint64_t seed) {
+static void check_maps(wrap across, wrap down, uint64_t seed) {
   random_source random(seed);
-  static constexpr int32_t sizes[][3] = {{64, 64, 7}, {32, 128, 6}, {48, 80, 5}, {20, 12, 3}, {7, 5, 1}, {1, 1, 1}, {256, 2, 2}};
-  for (int n = 0; n < (short_run() ? 7 : 28); ++n) {
-    const auto& size = sizes[n % 7];
-    const texture_view& t = make_small_map(size[0], size[1], size[2], mode, random).view;
+  static constexpr int32_t sizes[][3] = {{64, 64, 7}, {32, 128, 6}, {48, 80, 5}, {20, 12, 3}, {7, 5, 1}, {1, 1, 1}, {256, 2, 2}, {64, 48, 5}, {48, 64, 5}};
+  for (int n = 0; n < (short_run() ? 9 : 36); ++n) {
+    const auto& size = sizes[n % 9];
+    const texture_view& t = make_small_map(size[0], size[1], size[2], across, down, random).view;
     const homography m = random_homography(random, n);
     const rectangle area{between(random, 0, 40), between(random, 0, 40), between(random, 100, width), between(random, 100, height)};
     for (filter kind : app::row_filters) check_picture(m, t, kind, n % 2 == 0 ? rectangle{0, 0, width, height} : area);
   }
 }
-SPANTEX_CASE(kernels_draw_what_the_specification_says_repeat) { check_maps(wrap::repeat, 1); }
-SPANTEX_CASE(kernels_draw_what_the_specification_says_clamp) { check_maps(wrap::clamp, 2); }
-SPANTEX_CASE(kernels_draw_what_the_specification_says_mirror) { check_maps(wrap::mirror, 3); }
+SPANTEX_CASE(kernels_draw_what_the_specification_says_repeat) { check_maps(wrap::repeat, wrap::repeat, 1); }
+SPANTEX_CASE(kernels_draw_what_the_specification_says_clamp) { check_maps(wrap::clamp, wrap::clamp, 2); }
+SPANTEX_CASE(kernels_draw_what_the_specification_says_mirror) { check_maps(wrap::mirror, wrap::mirror, 3); }
+SPANTEX_CASE(kernels_draw_what_the_specification_says_repeat_across) {
+  for (wrap down : {wrap::clamp, wrap::mirror}) check_maps(wrap::repeat, down, 4);
+}
+SPANTEX_CASE(kernels_draw_what_the_specification_says_repeat_down) {
+  for (wrap across : {wrap::clamp, wrap::mirror}) check_maps(across, wrap::repeat, 5);
+}
 
 SPANTEX_CASE(planes_to_the_horizon_are_drawn_in_front_of_it_only) {
   random_source random(4);
@@ -161,6 +168,28 @@ SPANTEX_CASE(at_least_99_percent_of_the_texels_are_those_of_exact_arithmetic) {
     }
 }
 
+// Where the horizon is level the planes of rows_scenes.hpp need no block narrower than 32 pixels, level by level; on level 0 alone towards the horizon.
+SPANTEX_CASE(blocks_of_planes_with_a_level_horizon_are_wide) {
+  static plane p;
+  for (int k = 0; k < 3; ++k)
+    for (int last_level : {-1, 8}) {
+      SPANTEX_ASSERT_OK(make_plane(app::scenes[k].map, {0, 0, 320, 240}, p));
+      int blocks = 0, narrow = 0;
+      for (int32_t y = 0; y < 240; ++y)
+        for (int32_t x = 0; x < 320; ++x) {
+          rows::reference_position at{};
+          assert_true(rows::find_block(p, x, y, last_level, at));
+          if (at.i != 0 || at.j != 0) continue;
+          ++blocks;
+          narrow += at.b.k < rows::largest_block_log2;
+        }
+      print_message("%s%s: %d blocks, %d narrower than 32 pixels\n", app::scenes[k].name, last_level < 0 ? "" : ", levels", blocks, narrow);
+      const bool grazing = k == 2;
+      assert_true(blocks <= (!grazing ? 80 : last_level < 0 ? 230 : 130));
+      assert_true(narrow <= (grazing && last_level < 0 ? 30 : 0));
+    }
+}
+
 // As cores with vectors make them, four at once.
 SPANTEX_CASE(rows_in_lanes_are_those_made_one_by_one) {
   typedef int32_t lanes __attribute__((vector_size(16)));
@@ -173,7 +202,7 @@ SPANTEX_CASE(rows_in_lanes_are_those_made_one_by_one) {
     if (make_plane(random_homography(random, n), {0, 0, width, height}, p) != status::ok) continue;
     if (!rows::find_block(p, between(random, 0, width - 1), between(random, 0, height - 1), n % 2 == 0 ? -1 : 6, at) || at.b.k == 0) continue;
     at.b.u.offset = between(random, -(1 << 20), 1 << 20);
-    for (int j = 0; j < 1 << at.b.k; ++j) {
+    for (int j = 0; j < 1 << at.b.n; ++j) {
       const int first = j & ~3, lane = j & 3;
       rows::detail::rows_at(at.b, lanes{first, first + 1, first + 2, first + 3}, four);
       rows::walk w;
@@ -283,10 +312,13 @@ int main() {
       cmocka_unit_test(kernels_draw_what_the_specification_says_repeat),
       cmocka_unit_test(kernels_draw_what_the_specification_says_clamp),
       cmocka_unit_test(kernels_draw_what_the_specification_says_mirror),
+      cmocka_unit_test(kernels_draw_what_the_specification_says_repeat_across),
+      cmocka_unit_test(kernels_draw_what_the_specification_says_repeat_down),
       cmocka_unit_test(planes_to_the_horizon_are_drawn_in_front_of_it_only),
       cmocka_unit_test(planes_far_from_the_origin_are_drawn),
       cmocka_unit_test(polygons_cover_the_pixels_of_their_masks),
       cmocka_unit_test(at_least_99_percent_of_the_texels_are_those_of_exact_arithmetic),
+      cmocka_unit_test(blocks_of_planes_with_a_level_horizon_are_wide),
       cmocka_unit_test(rows_in_lanes_are_those_made_one_by_one),
       cmocka_unit_test(positions_keep_their_bound),
       cmocka_unit_test(colours_lie_between_their_texels_and_constants_stay),

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Rows: texture coordinates for a core that samples the map where it lies (docs/SPEC.md "Rows"; errors: docs/ACCURACY.md "Rows").
 //
-// The screen is cut into aligned blocks of 2^k x 2^k pixels, 32 down to 1. Block: one division, numerators rebased on a whole texel as in
-// coordinates.hpp, cut to 16 bits. Row: 1/w at the middle of the row by a series in 16-bit products; what is left of the perspective along
+// The screen is cut into squares of 32 pixels, and those into halves, across or down, until coordinates are true enough: blocks of 2^k x 2^n
+// pixels. Block: one division, numerators rebased on a whole texel as in coordinates.hpp, cut to 16 bits. Row: 1/w at the middle of the row by a series in 16-bit products; what is left of the perspective along
 // the row is a polynomial of second degree with integer coefficients,
 //   u(i) = start + i step + i (i - 1)/2 bend        2^-16 texel, exactly,
 // so a pixel takes two additions a coordinate and the order of evaluation cannot matter. A block is as large as that is true to
@@ -33,7 +33,7 @@ struct block {
   block_axis u, v;
   int32_t g, h;   // 2^-(16 + k)
   int32_t level;  // level of detail at the centre, s.16; filters with levels
-  int8_t k;       // side 2^k
+  int8_t k, n;    // 2^k pixels wide, 2^n high; k = 0: one pixel
   int8_t unit_log2;
 };
 
@@ -51,17 +51,37 @@ SPANTEX_WRAPS constexpr walk advanced(const walk& w, int i) {
 // Half pixels from the centre to the outermost pixel centres.
 constexpr int32_t reach_of(int k) { return (1 << k) - 1; }
 
+// What becomes of a block: it is drawn, it is not in front of the viewer, or one of its halves is next.
+enum class outcome : uint8_t { drawn, behind, upper_and_lower, left_and_right };
+
 namespace detail {
 
-// The largest number that quotients are taken of; 0 where they would have more than 16 bits: |e| <= 1/8, reach below 96 units.
-[[gnu::noinline]] constexpr uint64_t largest_of(const reference& r, int32_t reach, int unit_log2) {
+// How far a number goes from a block's centre, by its rows and by its columns.
+struct change { uint64_t across, down; };
+SPANTEX_FRAME_APART constexpr change change_of(int64_t a, int64_t b, int k, int n) { return {magnitude(a) * uint32_t(reach_of(k)), magnitude(b) * uint32_t(reach_of(n))}; }
+
+// Halves of a block that cannot be drawn: of the side that the greater change is along. A single column has no halves left and right; one of several
+// pixels has no rows.
+constexpr outcome halves_of(int k, int n, const change& x) { return n > 0 && (k <= 1 || x.down >= x.across) ? outcome::upper_and_lower : outcome::left_and_right; }
+
+// Whether the block is in front of the viewer, and |e| <= 1/8.
+constexpr outcome by_depth(const plane& p, int32_t hx, int32_t hy, int k, int n) {
+  const change slope = change_of(p.w.x, p.w.y, k, n);
+  const int64_t w = p.w_at(hx, hy), sum = int64_t(slope.across + slope.down);
+  if (w + sum <= 0) return outcome::behind;
+  return sum > w >> 3 ? halves_of(k, n, slope) : outcome::drawn;
+}
+
+// The largest number that quotients are taken of; 0 where they would have more than 16 bits: u and v reach less than 96 units.
+[[gnu::noinline]] constexpr uint64_t largest_of(const reference& r, int k, int n, int unit_log2) {
   if (!r.u_in_range || !r.v_in_range) return 0;
-  const uint64_t slope = uint64_t(reach) * (magnitude(r.g) + magnitude(r.h)), most = uint64_t(r.w) * (uint64_t(96) << unit_log2);
-  const uint64_t u = magnitude(r.c_u) + uint64_t(reach) * (magnitude(r.a_u) + magnitude(r.b_u));
-  const uint64_t v = magnitude(r.c_v) + uint64_t(reach) * (magnitude(r.a_v) + magnitude(r.b_v));
-  if (slope > uint64_t(r.w) / 8 || u >= most || v >= most) return 0;
-  const uint64_t larger = u > v ? u : v;
-  return (larger > slope ? larger : slope) | uint64_t(r.w) >> 8 | 1;
+  const change along_u = change_of(r.a_u, r.b_u, k, n), along_v = change_of(r.a_v, r.b_v, k, n);
+  const uint64_t u = magnitude(r.c_u) + along_u.across + along_u.down, v = magnitude(r.c_v) + along_v.across + along_v.down, larger = u > v ? u : v;
+  if (larger >= uint64_t(r.w) * (uint64_t(96) << unit_log2)) return 0;
+  return larger | uint64_t(r.w) >> 3 | 1;
+}
+SPANTEX_FRAME_APART constexpr outcome halves_in_reach(const reference& r, int k, int n) {
+  return halves_of(k, n, change_of(int64_t(magnitude(r.a_u) + magnitude(r.a_v)), int64_t(magnitude(r.b_u) + magnitude(r.b_v)), k, n));
 }
 
 // Upper word of a product; y >= 0. In 16-bit pieces where a product of 64 bits would be a call.
@@ -110,11 +130,12 @@ SPANTEX_FRAME_APART constexpr void set_axes(const reference& r, uint64_t largest
 }
 
 // The term of third degree, at most a X (g X)^2 units, X the reach, is replaced by its best line: a quarter of it is left.
-[[gnu::noinline]] constexpr bool bends_little(const block& o, int32_t reach) {
+[[gnu::noinline]] constexpr bool bends_little(const block& o) {
+  const int32_t reach = reach_of(o.k);
   const auto size = [](int32_t x) { return x < 0 ? -x : x; };
   const int32_t e = size(o.g) * reach >> (o.k + 1);                                    // 2^-15
   const int32_t square = e * e >> 15;
-  const auto steepest = [&](const block_axis& x) { return size(x.slope) + reach * size(x.twist); };  // of all rows
+  const auto steepest = [&](const block_axis& x) { return size(x.slope) + reach_of(o.n) * size(x.twist); };  // of all rows
   const int32_t steeper = steepest(o.u) > steepest(o.v) ? steepest(o.u) : steepest(o.v);
   const int32_t extent = (steeper >> 9) * reach >> (o.k - 1);                          // 2^-8
   return extent * square <= 1 << (23 + 2 - row_tolerance_bits);
@@ -131,14 +152,15 @@ constexpr int unit_of(int32_t level, int last_level) { return clamp_to(level >> 
 // What a block's level of detail needs; ignored without Levels.
 struct level_terms { int last_level, bias; };
 
-// Coordinates of block (bx, by) of side 2^k, with `r` as memory to work in. False (and `out` undefined) if the block must be cut, or if k = 0 and the pixel is not in front of the viewer.
+// Coordinates of the block of 2^k x 2^n pixels at (x, y), with `r` as memory to work in; `out` is undefined if it is not drawn.
 template <bool Levels>
-constexpr bool block_at(const plane& p, int32_t bx, int32_t by, int k, level_terms levels, reference& r, block& out) {
-  const int32_t hx = (2 * bx + 1) * (1 << k), hy = (2 * by + 1) * (1 << k), reach = reach_of(k);
-  if (p.w_at(hx, hy) <= 0) return false;
+constexpr outcome block_at(const plane& p, int32_t x, int32_t y, int k, int n, level_terms levels, reference& r, block& out) {
+  const int32_t hx = 2 * x + (1 << k), hy = 2 * y + (1 << n);
+  if (const outcome seen = detail::by_depth(p, hx, hy, k, n); seen != outcome::drawn) return seen;
   set_reference(p, hx, hy, r);
   block& o = out;
   o.k = int8_t(k);
+  o.n = int8_t(n);
   o.unit_log2 = 0;
   o.level = 0;
   if constexpr (Levels) {
@@ -150,23 +172,17 @@ constexpr bool block_at(const plane& p, int32_t bx, int32_t by, int k, level_ter
     o.g = o.h = 0;
     o.u = {r.base_u, 0, r.u_in_range ? by_w.at(r.c_u, 16) : 0, 0, 0, 0};
     o.v = {r.base_v, 0, r.v_in_range ? by_w.at(r.c_v, 16) : 0, 0, 0, 0};
-    return true;
+    return outcome::drawn;
   }
-  const uint64_t largest = detail::largest_of(r, reach, o.unit_log2);
-  if (largest == 0) return false;
+  const uint64_t largest = detail::largest_of(r, k, n, o.unit_log2);
+  if (largest == 0) return detail::halves_in_reach(r, k, n);
   detail::set_axes(r, largest, o);
-  return detail::bends_little(o, reach);
+  return detail::bends_little(o) ? outcome::drawn : detail::halves_of(k, n, {1, 0});
 }
 
 template <bool Levels>
-[[gnu::noinline]] constexpr bool block_at_apart(const plane& p, int32_t bx, int32_t by, int k, level_terms levels, reference& r, block& out) {
-  return block_at<Levels>(p, bx, by, k, levels, r, out);
-}
-
-// Whether no pixel of a block is in front of the viewer: W is largest at a corner.
-SPANTEX_FRAME_APART constexpr bool is_behind(const plane& p, int32_t bx, int32_t by, int k) {
-  const int32_t reach = reach_of(k), hx = (2 * bx + 1) * (1 << k), hy = (2 * by + 1) * (1 << k);
-  return p.w_at(hx + (p.w.x > 0 ? reach : -reach), hy + (p.w.y > 0 ? reach : -reach)) <= 0;
+[[gnu::noinline]] constexpr outcome block_at_apart(const plane& p, int32_t x, int32_t y, int k, int n, level_terms levels, reference& r, block& out) {
+  return block_at<Levels>(p, x, y, k, n, levels, r, out);
 }
 
 namespace detail {
@@ -208,7 +224,7 @@ template <class Int, class Walk>
 [[gnu::always_inline]] constexpr void rows_at(const block& b, Int j, Walk& out) {
   const int k = b.k;
   const int32_t reach = reach_of(k);
-  const Int hy = 2 * j - reach, q = series_of<Int>(b.h * hy >> (k - 1));
+  const Int hy = 2 * j - reach_of(b.n), q = series_of<Int>(b.h * hy >> (k - 1));
   row_terms<Int> t;
   t.q = q;
   t.q2 = q - (q * q >> 18);
@@ -234,7 +250,7 @@ constexpr void row_at(const block& b, int32_t j, walk& out) {
 struct level_run { int32_t start, step; };
 constexpr level_run level_row_at(const block& b, int j) {
   const auto per_half_pixel = [&](int32_t slope) { return -(slope * 23637 >> (13 + b.k)); };
-  const int32_t x = per_half_pixel(b.g), hy = 2 * j - reach_of(b.k);
+  const int32_t x = per_half_pixel(b.g), hy = 2 * j - reach_of(b.n);
   return {b.level + per_half_pixel(b.h) * hy - x * reach_of(b.k), 2 * x};
 }
 

@@ -53,13 +53,6 @@ inline constexpr int largest_side = 1 << largest_block_log2;
 // Columns [from, to) of a row, bit i for column i.
 constexpr uint32_t columns(int32_t from, int32_t to) { return (to >= 32 ? 0xFFFFFFFFu : (1u << to) - 1) & ~((1u << from) - 1); }
 
-// Place of block `index` in Morton order within its 32 x 32 pixels.
-constexpr int32_t every_second_bit(uint32_t x) {
-  int32_t y = 0;
-  for (int k = 0; k < largest_block_log2; ++k) y |= int32_t(x >> 2 * k & 1) << k;
-  return y;
-}
-
 // By reference or as a copy.
 template <class T, bool ByReference> struct kept { using type = const T; };
 template <class T> struct kept<T, true> { using type = const T&; };
@@ -67,7 +60,7 @@ template <class T> struct kept<T, true> { using type = const T&; };
 // Rectangles: the same columns in every row.
 struct rectangle_cover {
   static constexpr bool whole_rows = true;
-  constexpr bool prepare(uint32_t*, int32_t, int32_t, int) const { return true; }
+  constexpr bool prepare(uint32_t*, int32_t, int32_t, int, int) const { return true; }
   constexpr uint32_t row(const uint32_t*, int) const { return 0xFFFFFFFFu; }
 };
 
@@ -76,20 +69,30 @@ struct polygon_cover {
   static constexpr bool whole_rows = false;
   const edge_set* edges;
 
-  constexpr bool prepare(uint32_t* rows, int32_t x0, int32_t y0, int k) const {  // rows: [largest_side]
-    const int side = 1 << k, spans = k <= 3 ? 1 : side / span_side;
+  SPANTEX_FRAME_APART constexpr bool prepare(uint32_t* rows, int32_t x0, int32_t y0, int k, int n) const {  // rows: [largest_side]
+    bool whole = true;
+    for (int i = 0; i < edges->count; ++i) {
+      const edge_range range = range_of(edges->edges[i], x0, y0, 1 << k, 1 << n);
+      if (range.high < 0) return false;
+      whole = whole && range.low >= 0;
+    }
+    if (whole) {
+      for (int j = 0; j < 1 << n; ++j) rows[j] = 0xFFFFFFFFu;
+      return true;
+    }
+    const int columns_each = min_of(1 << k, span_side), rows_each = min_of(1 << n, span_side);
     uint32_t any = 0;
-    for (int j = 0; j < side; ++j) rows[j] = 0;
-    for (int sy = 0; sy < spans; ++sy)
-      for (int sx = 0; sx < spans; ++sx) {
-        const span_mask mask = coverage(*edges, x0 / span_side + sx, y0 / span_side + sy);
-        const int first = k <= 3 ? y0 % span_side : 0, left = k <= 3 ? x0 % span_side : 0, count = k <= 3 ? side : span_side;
-        for (int j = 0; j < count; ++j) {
-          const uint32_t bits = uint32_t(mask >> (span_side * (first + j)) & 0xFF) >> left & columns(0, count);
-          rows[sy * span_side + j] |= bits << (sx * span_side);
+    for (int y = 0; y < 1 << n; y += rows_each) {
+      for (int j = 0; j < rows_each; ++j) rows[y + j] = 0;
+      for (int x = 0; x < 1 << k; x += columns_each) {
+        const span_mask mask = coverage(*edges, (x0 + x) >> 3, (y0 + y) >> 3);
+        for (int j = 0; j < rows_each; ++j) {
+          const uint32_t bits = uint32_t(mask >> (span_side * ((y0 & 7) + j)) & 0xFF) >> (x0 & 7) & columns(0, columns_each);
+          rows[y + j] |= bits << x;
           any |= bits;
         }
       }
+    }
     return any != 0;
   }
   constexpr uint32_t row(const uint32_t* rows, int j) const { return rows[j]; }
@@ -118,38 +121,45 @@ class painter {
   }
 
  private:
-  // The largest aligned blocks that can be drawn, in Morton order.
+  // Blocks of 32 x 32 pixels: halves, one after the other, of what cannot be drawn.
   void draw_square(int32_t x, int32_t y) {
-    constexpr int count = detail::largest_side * detail::largest_side;
-    int k = largest_block_log2;
-    for (int index = 0; index < count;) {
-      const int32_t x0 = x + detail::every_second_bit(uint32_t(index)), y0 = y + detail::every_second_bit(uint32_t(index) >> 1);
-      if (!draw_block(x0, y0, k) && k > 0) { --k; continue; }
-      index += 1 << 2 * k;
-      while (k < largest_block_log2 && (index & ((4 << 2 * k) - 1)) == 0) ++k;
+    int k = largest_block_log2, n = largest_block_log2;
+    uint32_t path = 1;  // the halvings that lead here, two bits each, the last one lowest: 1 if this is the second half, 2 if it is one of upper and lower
+    while (path != 0) {
+      const outcome next = draw_block(x, y, k, n);
+      if (next == outcome::upper_and_lower) { path = path << 2 | 2; --n; continue; }
+      if (next == outcome::left_and_right) { path <<= 2; --k; continue; }
+      for (; (path & 1) != 0; path >>= 2) {
+        if ((path & 2) != 0) y -= 1 << n++;
+        else x -= 1 << k++;
+      }
+      if (path == 0) return;
+      path |= 1;
+      if ((path & 2) != 0) y += 1 << n;
+      else x += 1 << k;
     }
   }
 
   struct block_part { int32_t x0, y0; int8_t left, right, top, bottom; };
 
-  // False if it must be cut.
-  SPANTEX_FRAME_MERGED bool draw_block(int32_t x0, int32_t y0, int k) {
-    const int32_t side = 1 << k, left = max_of(area_.x0 - x0, 0), right = min_of(area_.x1 - x0, side);
-    const int32_t top = max_of(area_.y0 - y0, 0), bottom = min_of(area_.y1 - y0, side);
+  SPANTEX_FRAME_MERGED outcome draw_block(int32_t x0, int32_t y0, int k, int n) {
+    const int32_t left = max_of(area_.x0 - x0, 0), right = min_of(area_.x1 - x0, 1 << k);
+    const int32_t top = max_of(area_.y0 - y0, 0), bottom = min_of(area_.y1 - y0, 1 << n);
     // Made at once it takes less stack, made when it is needed fewer instructions.
     const auto make_part = [&] { return block_part{x0, y0, int8_t(left), int8_t(right), int8_t(top), int8_t(bottom)}; };
     block_part part{};
     if constexpr (Small) part = make_part();
-    if (left >= right || top >= bottom || !cover_.prepare(memory_.masks, x0, y0, k)) return true;
+    if (left >= right || top >= bottom || !cover_.prepare(memory_.masks, x0, y0, k, n)) return outcome::behind;
     block& b = memory_.coordinates;
     // Inlined where code is to be least; else its frame is not to lie under the kernels'.
     constexpr auto at = Map == map_kind::repeats_in_powers_of_two ? block_at<false> : block_at_apart<uses_levels(Kind)>;
-    if (!at(plane_, x0 >> k, y0 >> k, k, {map_.last_level(), 0}, memory_.about, b)) return is_behind(plane_, x0 >> k, y0 >> k, k);
+    const outcome found = at(plane_, x0, y0, k, n, {map_.last_level(), 0}, memory_.about, b);
+    if (found != outcome::drawn) return found;
     if constexpr (!Small) part = make_part();
     if constexpr (Map == map_kind::repeats_in_powers_of_two) draw_masked(b, part);
     else if constexpr (uses_levels(Kind)) draw_with_levels(b, part);
     else on_one_level(b, part, 0, find_source(b, 0, Kind == filter::nearest ? 0 : snap));
-    return true;
+    return outcome::drawn;
   }
 
   // A copy is not read again row by row, or block by block, but costs stack.

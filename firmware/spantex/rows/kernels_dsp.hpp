@@ -27,7 +27,7 @@ inline void nearest_straight(uint16_t* out, int count, const walk& at, uint32_t 
   uint32_t t;
   int32_t u = at.u, v = at.v;
   asm volatile(SPANTEX_8_PIXELS(SPANTEX_PIXEL("", ""))
-               : [out] "+r"(out), [n] "+r"(count), [u] "+r"(u), [v] "+r"(v), [t] "=&r"(t)
+               : [out] "+&r"(out), [n] "+&r"(count), [u] "+&r"(u), [v] "+&r"(v), [t] "=&r"(t)
                : [du] "r"(at.du), [dv] "r"(at.dv), [k] "r"(to_bytes), [o] "r"(origin)
                : "memory", "cc");
 }
@@ -35,7 +35,7 @@ inline void nearest_masked_straight(uint16_t* out, int count, const walk& at, ui
   uint32_t t;
   int32_t u = at.u, v = at.v;
   asm volatile(SPANTEX_8_PIXELS(SPANTEX_PIXEL(SPANTEX_MASK, ""))
-               : [out] "+r"(out), [n] "+r"(count), [u] "+r"(u), [v] "+r"(v), [t] "=&r"(t)
+               : [out] "+&r"(out), [n] "+&r"(count), [u] "+&r"(u), [v] "+&r"(v), [t] "=&r"(t)
                : [du] "r"(at.du), [dv] "r"(at.dv), [k] "r"(to_bytes), [o] "r"(origin), [m] "r"(masks)
                : "memory", "cc");
 }
@@ -43,7 +43,7 @@ inline void nearest_bent(uint16_t* out, int count, const walk& at, uint32_t orig
   uint32_t t;
   int32_t u = at.u, v = at.v, du = at.du, dv = at.dv;
   asm volatile(SPANTEX_8_PIXELS(SPANTEX_PIXEL("", SPANTEX_BEND))
-               : [out] "+r"(out), [n] "+r"(count), [u] "+r"(u), [v] "+r"(v), [du] "+r"(du), [dv] "+r"(dv), [t] "=&r"(t)
+               : [out] "+&r"(out), [n] "+&r"(count), [u] "+&r"(u), [v] "+&r"(v), [du] "+&r"(du), [dv] "+&r"(dv), [t] "=&r"(t)
                : [ddu] "r"(at.ddu), [ddv] "r"(at.ddv), [k] "r"(to_bytes), [o] "r"(origin)
                : "memory", "cc");
 }
@@ -51,7 +51,7 @@ inline void nearest_masked_bent(uint16_t* out, int count, const walk& at, uint32
   uint32_t t;
   int32_t u = at.u, v = at.v, du = at.du, dv = at.dv;
   asm volatile(SPANTEX_8_PIXELS(SPANTEX_PIXEL(SPANTEX_MASK, SPANTEX_BEND))
-               : [out] "+r"(out), [n] "+r"(count), [u] "+r"(u), [v] "+r"(v), [du] "+r"(du), [dv] "+r"(dv), [t] "=&r"(t)
+               : [out] "+&r"(out), [n] "+&r"(count), [u] "+&r"(u), [v] "+&r"(v), [du] "+&r"(du), [dv] "+&r"(dv), [t] "=&r"(t)
                : [ddu] "r"(at.ddu), [ddv] "r"(at.ddv), [k] "r"(to_bytes), [o] "r"(origin), [m] "r"(masks)
                : "memory", "cc");
 }
@@ -86,7 +86,7 @@ inline constexpr int scratch_words = 6 * 16;  // between the two loops of a filt
       "2: adds %[n], %[n], #4\n beq 4f\n"
       "3:\n" SPANTEX_STRAIGHT "subs %[n], %[n], #1\n bne 3b\n"
       "4:\n"
-      : [to] "+r"(to), [n] "+r"(count), [u] "+r"(u), [v] "+r"(v), [w] "=&r"(w)
+      : [to] "+&r"(to), [n] "+&r"(count), [u] "+&r"(u), [v] "+&r"(v), [w] "=&r"(w)
       : [du] "r"(at.du), [dv] "r"(at.dv), [k] "r"(to_bytes), [o] "r"(origin), [ffff] "r"(0xFFFF), [one] "r"(32)
       : "r4", "r5", "r6", "memory", "cc");
 }
@@ -102,7 +102,7 @@ inline constexpr int scratch_words = 6 * 16;  // between the two loops of a filt
       "2: adds %[n], %[n], #4\n beq 4f\n"
       "3:\n" SPANTEX_PLACE "subs %[n], %[n], #1\n bne 3b\n"
       "4:\n"
-      : [to] "+r"(to), [n] "+r"(count), [u] "+r"(u), [v] "+r"(v), [du] "+r"(du), [dv] "+r"(dv), [w] "=&r"(w)
+      : [to] "+&r"(to), [n] "+&r"(count), [u] "+&r"(u), [v] "+&r"(v), [du] "+&r"(du), [dv] "+&r"(dv), [w] "=&r"(w)
       : [ddu] "r"(at.ddu), [ddv] "r"(at.ddv), [k] "r"(to_bytes), [o] "r"(origin)
       : "r4", "r5", "r6", "memory", "cc");
 }
@@ -124,7 +124,7 @@ inline constexpr int scratch_words = 6 * 16;  // between the two loops of a filt
       "subs %[n], %[n], #2\n bge 1b\n"
       "2: adds %[n], %[n], #2\n beq 4f\n" SPANTEX_FILTER
       "4:\n"
-      : [out] "+r"(out), [from] "+r"(from), [n] "+r"(count), [x] "=&r"(x), [y] "=&r"(y), [g] "=&r"(g), [r] "=&r"(r)
+      : [out] "+&r"(out), [from] "+&r"(from), [n] "+&r"(count), [x] "=&r"(x), [y] "=&r"(y), [g] "=&r"(g), [r] "=&r"(r)
       : [five] "r"(0x001F001F), [six] "r"(0x003F003F), [half] "r"(512), [pitch] "r"(pitch_bytes)
       : "r4", "r5", "r6", "memory", "cc");
 }
@@ -143,7 +143,7 @@ inline constexpr int scratch_words = 6 * 16;  // between the two loops of a filt
   register int32_t u asm("r5") = at.u;
   register int32_t v asm("r6") = at.v;
   asm volatile(SPANTEX_4_PIXELS(SPANTEX_POSITION SPANTEX_BEND)
-               : [to] "+r"(to), [n] "+r"(count), [u] "+r"(u), [v] "+r"(v), [du] "+r"(du), [dv] "+r"(dv)
+               : [to] "+&r"(to), [n] "+&r"(count), [u] "+&r"(u), [v] "+&r"(v), [du] "+&r"(du), [dv] "+&r"(dv)
                : [ddu] "r"(at.ddu), [ddv] "r"(at.ddv), [k] "r"(to_bytes), [o] "r"(origin)
                : "r4", "memory", "cc");
 }
@@ -172,7 +172,7 @@ inline constexpr int scratch_words = 6 * 16;  // between the two loops of a filt
       "4:\n" SPANTEX_RIGHT SPANTEX_HEAD "blt 5f\n" SPANTEX_LEFT "subs %[n], %[n], #2\n bne 1b\n b 9f\n"
       "5:\n" SPANTEX_RIGHT "subs %[n], %[n], #2\n bne 1b\n"
       "9:\n"
-      : [out] "+r"(out), [from] "+r"(from), [n] "+r"(count), [x] "=&r"(x), [y] "=&r"(y), [s] "=&r"(s)
+      : [out] "+&r"(out), [from] "+&r"(from), [n] "+&r"(count), [x] "=&r"(x), [y] "=&r"(y), [s] "=&r"(s)
       : [mask] "r"(spread_mask), [half] "r"((1u | 1u << 11 | 1u << 21) << 4), [pitch] "r"(pitch_bytes)
       : "r4", "r5", "r6", "memory", "cc");
 }
@@ -198,7 +198,7 @@ inline constexpr int scratch_words = 6 * 16;  // between the two loops of a filt
       SPANTEX_PAIR("0", "") SPANTEX_PAIR("1", "") SPANTEX_PAIR("2", "") SPANTEX_PAIR("3", SPANTEX_END("10")) "b 9f\n"
       SPANTEX_PAIR2("0", "") SPANTEX_PAIR2("1", "") SPANTEX_PAIR2("2", "") SPANTEX_PAIR2("3", SPANTEX_END("20"))
       "9:\n"
-      : [out] "+r"(out), [u] "+r"(u), [v] "+r"(v), [s] "+r"(s), [x] "=&r"(x), [y] "=&r"(y), [h] "=&r"(h), [l] "=&r"(l)
+      : [out] "+&r"(out), [u] "+&r"(u), [v] "+&r"(v), [s] "+&r"(s), [x] "=&r"(x), [y] "=&r"(y), [h] "=&r"(h), [l] "=&r"(l)
       : [du] "r"(at.du), [dv] "r"(at.dv), [k] "r"(to_bytes), [o] "r"(origin), [mask] "r"(spread_mask), [half] "r"((1u | 1u << 11 | 1u << 21) << 4), [end] "m"(end)
       : "memory", "cc");
 }
@@ -262,7 +262,7 @@ inline void places_of_two(uint32_t* to, int count, walk& at, int32_t& level, con
       "add %[level], %[level], r6\n"
       "subs %[n], %[n], #1\n"
       "bne 1b\n"
-      : [to] "+r"(to), [n] "+r"(count), [u] "+r"(at.u), [v] "+r"(at.v), [du] "+r"(at.du), [dv] "+r"(at.dv), [level] "+r"(level), [w] "=&r"(w)
+      : [to] "+&r"(to), [n] "+&r"(count), [u] "+&r"(at.u), [v] "+&r"(at.v), [du] "+&r"(at.du), [dv] "+&r"(at.dv), [level] "+&r"(level), [w] "=&r"(w)
       : [s] "r"(&s.fine)
       : "r4", "r5", "r6", "r8", "r9", "memory", "cc");
 }
@@ -289,7 +289,7 @@ inline void places_of_two_straight(uint32_t* to, int count, walk& at, int32_t le
       "subs %[n], %[n], #2\n bge 1b\n"
       "2: adds %[n], %[n], #2\n beq 4f\n" SPANTEX_PLACES
       "4:\n"
-      : [to] "+r"(to), [n] "+r"(count), [u] "+r"(at.u), [v] "+r"(at.v), [x] "=&r"(x), [y] "=&r"(y)
+      : [to] "+&r"(to), [n] "+&r"(count), [u] "+&r"(at.u), [v] "+&r"(at.v), [x] "=&r"(x), [y] "=&r"(y)
       : [du] "r"(at.du), [dv] "r"(at.dv), [s] "r"(&s.fine)
       : "r4", "r5", "r6", "r8", "r9", "memory", "cc");
 }
@@ -318,7 +318,7 @@ inline void eight_points(uint16_t* out, const uint32_t* from, int count, uint32_
       "1:\n" SPANTEX_FILTER
       "2:\n" SPANTEX_FILTER
       "subs %[six], %[six], #0x08000000\n bhs 1b\n"
-      : [out] "+r"(out), [from] "+r"(from), [six] "+r"(six), [t] "+r"(t), [x] "=&r"(x), [y] "=&r"(y), [g] "=&r"(g), [r] "=&r"(r)
+      : [out] "+&r"(out), [from] "+&r"(from), [six] "+&r"(six), [t] "+&r"(t), [x] "=&r"(x), [y] "=&r"(y), [g] "=&r"(g), [r] "=&r"(r)
       : [five] "r"(0x001F001F), [half] "r"(0x2000), [pitch] "r"(fine_pitch_bytes)
       : "r4", "r5", "r6", "memory", "cc");
 }

@@ -59,7 +59,7 @@ struct fine_walk { uint32_t u, v, du, dv, ddu, ddv; };
       "vadd.i32 %q[v], %q[v], %[dv8]\n"
       "vstrh.16 %q[x], [%[to]], #16\n"
       "letp lr, 1b\n"
-      : [to] "+r"(to), [u] "+w"(u), [v] "+w"(v), [x] "=&w"(x)
+      : [to] "+&r"(to), [u] "+&w"(u), [v] "+&w"(v), [x] "=&w"(x)
       : [n] "r"(count), [du] "r"(at.du), [dv] "r"(at.dv), [du8] "r"(8 * at.du), [dv8] "r"(8 * at.dv)
       : "lr", "memory", "cc");
 }
@@ -84,7 +84,7 @@ struct fine_walk { uint32_t u, v, du, dv, ddu, ddv; };
       "vadd.i32 %q[dv], %q[dv], %[ddv8]\n"
       "vstrh.16 %q[x], [%[to]], #16\n"
       "letp lr, 1b\n"
-      : [to] "+r"(to), [u] "+w"(u), [v] "+w"(v), [du] "+w"(du), [dv] "+w"(dv), [x] "=&w"(x)
+      : [to] "+&r"(to), [u] "+&w"(u), [v] "+&w"(v), [du] "+&w"(du), [dv] "+&w"(dv), [x] "=&w"(x)
       : [n] "r"(count), [r8] "r"(8), [ddu8] "r"(8 * at.ddu), [ddv8] "r"(8 * at.ddv), [ddu28] "r"(28 * at.ddu), [ddv28] "r"(28 * at.ddv)
       : "lr", "memory", "cc");
 }
@@ -119,7 +119,7 @@ struct fine_walk { uint32_t u, v, du, dv, ddu, ddv; };
       "vldrh.u16 q3, [%[t01], q2, uxtw #1]\n"
       "vldrh.u16 q7, [%[t11], q2, uxtw #1]\n" SPANTEX_LOWER SPANTEX_PACK
       "letp lr, 1b\n"
-      : [out] "+r"(out), [from] "+r"(from)
+      : [out] "+&r"(out), [from] "+&r"(from)
       : [n] "r"(count), [pitch] "r"(map.pitch), [t00] "r"(map.texels), [t10] "r"(map.texels + 1), [t01] "r"(below), [t11] "r"(below + 1), [r32] "r"(32),
         [m32] "r"(-32), [m64] "r"(-64)
       : "q0", "q1", "q2", "q3", "q4", "q5", "q6", "q7", "lr", "memory", "cc");
@@ -148,7 +148,7 @@ struct fine_walk { uint32_t u, v, du, dv, ddu, ddv; };
       "vldrh.u16 q3, [%[texels], q7, uxtw #1]\n"
       "vldrh.u16 q7, [%[texels], q2, uxtw #1]\n" SPANTEX_LOWER SPANTEX_PACK
       "letp lr, 1b\n"
-      : [out] "+r"(out), [from] "+r"(from)
+      : [out] "+&r"(out), [from] "+&r"(from)
       : [n] "r"(count), [pitch] "r"(map.pitch), [texels] "r"(map.texels), [columns] "r"(map.columns), [rows] "r"(map.rows), [one] "r"(1), [r32] "r"(32),
         [m32] "r"(-32), [m64] "r"(-64)
       : "q0", "q1", "q2", "q3", "q4", "q5", "q6", "q7", "lr", "memory", "cc");

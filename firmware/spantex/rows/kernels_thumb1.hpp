@@ -52,14 +52,14 @@ inline void nearest(uint16_t* to, int count, walk at, const texel565* origin, in
     constexpr uint32_t bytes = 14;
     uint32_t t = skipped * bytes;
     asm volatile(SPANTEX_LOOP(SPANTEX_STRAIGHT, "")
-                 : [out] "+l"(out), [a] "+l"(c.at), [u] "+l"(c.u), [v] "+l"(c.v), [t] "+l"(t)
+                 : [out] "+&l"(out), [a] "+&l"(c.at), [u] "+&l"(c.u), [v] "+&l"(c.v), [t] "+&l"(t)
                  : [step] "l"(c.step), [du] "l"(c.du), [dv] "l"(c.dv), [row] "h"(c.row), [end] "h"(end), [bytes] "i"(bytes)
                  : "memory", "cc");
   } else {
     constexpr uint32_t bytes = 22;
     uint32_t t = skipped * bytes;
     asm volatile(SPANTEX_LOOP(SPANTEX_PIXEL, SPANTEX_BEND)
-                 : [out] "+l"(out), [u] "+l"(at.u), [v] "+l"(at.v), [t] "+l"(t), [s] "=&l"(s), [du] "+h"(at.du), [dv] "+h"(at.dv)
+                 : [out] "+&l"(out), [u] "+&l"(at.u), [v] "+&l"(at.v), [t] "+&l"(t), [s] "=&l"(s), [du] "+&h"(at.du), [dv] "+&h"(at.dv)
                  : [base] "l"(origin), [pitch] "l"(pitch_bytes), [ddu] "h"(at.ddu), [ddv] "h"(at.ddv), [end] "h"(end), [bytes] "i"(bytes)
                  : "memory", "cc");
   }
@@ -75,14 +75,14 @@ SPANTEX_WRAPS inline void nearest_masked(uint16_t* to, int count, walk at, const
     constexpr uint32_t bytes = 18;
     uint32_t t = skipped * bytes;
     asm volatile(SPANTEX_LOOP(SPANTEX_MASKED, "")
-                 : [out] "+l"(out), [u] "+l"(at.u), [v] "+l"(v), [t] "+l"(t), [s] "=&l"(s)
+                 : [out] "+&l"(out), [u] "+&l"(at.u), [v] "+&l"(v), [t] "+&l"(t), [s] "=&l"(s)
                  : [mu] "l"(mu), [mv] "l"(mv), [base] "l"(texels), [du] "h"(at.du), [dv] "h"(dv), [end] "h"(end), [bytes] "i"(bytes)
                  : "memory", "cc");
   } else {
     constexpr uint32_t bytes = 22;
     uint32_t t = skipped * bytes;
     asm volatile(SPANTEX_LOOP(SPANTEX_MASKED, SPANTEX_BEND)
-                 : [out] "+l"(out), [u] "+l"(at.u), [v] "+l"(v), [t] "+l"(t), [s] "=&l"(s), [du] "+h"(at.du), [dv] "+h"(dv)
+                 : [out] "+&l"(out), [u] "+&l"(at.u), [v] "+&l"(v), [t] "+&l"(t), [s] "=&l"(s), [du] "+&h"(at.du), [dv] "+&h"(dv)
                  : [mu] "l"(mu), [mv] "l"(mv), [base] "l"(texels), [ddu] "h"(at.ddu), [ddv] "h"(uint32_t(at.ddv) * width), [end] "h"(end), [bytes] "i"(bytes)
                  : "memory", "cc");
   }
@@ -110,7 +110,7 @@ inline constexpr int pixel_words = 3, coarse_pixels_at_once = 16, scratch_words 
   register uint32_t u asm("r5") = c.u;
   register uint32_t v asm("r6") = c.v;
   asm volatile(SPANTEX_4_PLACES(SPANTEX_PLACE)
-               : [to] "+l"(to), [a] "+l"(a), [u] "+l"(u), [v] "+l"(v)
+               : [to] "+&l"(to), [a] "+&l"(a), [u] "+&l"(u), [v] "+&l"(v)
                : [step] "l"(c.step), [du] "l"(c.du), [dv] "l"(c.dv), [row] "h"(c.row), [end] "h"(end)
                : "memory", "cc");
   c.at = a;
@@ -122,7 +122,7 @@ template <int Bits>
 [[gnu::always_inline]] inline void bent_places(uint32_t* to, int count, walk& at, const texel565* origin, int32_t pitch_bytes) {
   const uint32_t* const end = to + pixel_words * ((count + 3) & ~3);
   asm volatile(SPANTEX_4_PLACES(SPANTEX_BENT_PLACE)
-               : [to] "+l"(to), [u] "+l"(at.u), [v] "+l"(at.v), [du] "+h"(at.du), [dv] "+h"(at.dv)
+               : [to] "+&l"(to), [u] "+&l"(at.u), [v] "+&l"(at.v), [du] "+&h"(at.du), [dv] "+&h"(at.dv)
                : [ddu] "h"(at.ddu), [ddv] "h"(at.ddv), [row] "l"(pitch_bytes >> 1), [base] "l"(uint32_t(reinterpret_cast<uintptr_t>(origin)) >> 1), [end] "h"(end),
                  [bits] "i"(Bits), [rest] "i"(32 - Bits)
                : "r4", "r5", "r6", "memory", "cc");
@@ -200,7 +200,7 @@ inline constexpr uint32_t twice = 0x10001;  // a texel times this and spread_mas
       SPANTEX_LEFT("0", "0") SPANTEX_LEFT("1", "2") SPANTEX_LEFT("2", "4") SPANTEX_LEFT("3", "6") SPANTEX_PIXELS_ARE("8b", "4 * 60") SPANTEX_NEXT("8", "bne 10b\n b 9f\n")
       SPANTEX_RIGHT("0", "0") SPANTEX_RIGHT("1", "2") SPANTEX_RIGHT("2", "4") SPANTEX_RIGHT("3", "6") SPANTEX_NEXT("8", "bne 20b\n")
       "9:\n"
-      : [out] "+h"(out), [from] "+l"(from), [s] "+l"(s), [x] "=&l"(x)
+      : [out] "+&h"(out), [from] "+&l"(from), [s] "+&l"(s), [x] "=&l"(x)
       : [twice] "l"(twice), [mask] "l"(spread_mask), [half] "h"((1u | 1u << 11 | 1u << 21) << 4), [pitch] "h"(pitch_bytes), [end] "h"(end)
       : "r4", "r5", "r6", "memory", "cc");
 }
@@ -236,7 +236,7 @@ inline constexpr uint32_t twice = 0x10001;  // a texel times this and spread_mas
       SPANTEX_BILINEAR("8") SPANTEX_BILINEAR("10") SPANTEX_BILINEAR("12") SPANTEX_BILINEAR("14") SPANTEX_PIXELS_ARE("8b", "8 * 100")
       "adds %[s], %[s], #16\n mov %[out], %[s]\n ldr %[x], %[end]\n cmp %[s], %[x]\n beq 9f\n b 8b\n"
       "9:\n"
-      : [out] "+h"(out), [from] "+l"(from), [s] "+l"(s), [x] "=&l"(x), [y] "=&l"(y), [mask] "=&l"(mask)
+      : [out] "+&h"(out), [from] "+&l"(from), [s] "+&l"(s), [x] "=&l"(x), [y] "=&l"(y), [mask] "=&l"(mask)
       : [five] "h"(0x001F001F), [six] "h"(0x003F003F), [one] "h"(32u << 16), [pitch] "h"(pitch_bytes), [end] "m"(end)
       : "r4", "r5", "r6", "memory", "cc");
 }
@@ -265,7 +265,7 @@ inline constexpr uint32_t twice = 0x10001;  // a texel times this and spread_mas
   uint32_t s = -uint32_t(count) & 3, x, y, mask;
   const uint32_t two = twice, spread = spread_mask, *const end = from + pixel_words * count;
   asm volatile(SPANTEX_ENTER_WITH("ldr %[s], %[two]\n", "90") SPANTEX_FINE SPANTEX_FINE SPANTEX_FINE SPANTEX_FINE SPANTEX_PIXELS_ARE("8b", "4 * 90") "cmp %[from], %[end]\n beq 9f\n b 8b\n 9:\n"
-               : [from] "+l"(from), [s] "+l"(s), [x] "=&l"(x), [y] "=&l"(y), [mask] "=&l"(mask)
+               : [from] "+&l"(from), [s] "+&l"(s), [x] "=&l"(x), [y] "=&l"(y), [mask] "=&l"(mask)
                : [two] "m"(two), [spread] "m"(spread), [pitch] "h"(pitch_bytes), [end] "h"(end)
                : "r4", "r5", "r6", "memory", "cc");
 }
@@ -284,7 +284,7 @@ inline constexpr uint32_t twice = 0x10001;  // a texel times this and spread_mas
       SPANTEX_COARSE("0") SPANTEX_COARSE("2") SPANTEX_COARSE("4") SPANTEX_COARSE("6") SPANTEX_PIXELS_ARE("8b", "4 * 128")
       "adds %[x], %[x], #8\n mov %[out], %[x]\n cmp %[x], %[end]\n beq 9f\n b 8b\n"
       "9:\n"
-      : [out] "+h"(out), [fine] "+h"(fine), [from] "+l"(from), [s] "+l"(s), [x] "=&l"(x), [y] "=&l"(y), [mask] "=&l"(mask)
+      : [out] "+&h"(out), [fine] "+&h"(fine), [from] "+&l"(from), [s] "+&l"(s), [x] "=&l"(x), [y] "=&l"(y), [mask] "=&l"(mask)
       : [two] "m"(two), [spread] "m"(spread), [half] "h"(1u << 13), [pitch] "h"(pitch_bytes), [end] "h"(end)
       : "r4", "r5", "r6", "memory", "cc");
 }

@@ -6,9 +6,10 @@
 #include <spantex/bits.hpp>
 
 // Loops in assembly are for gcc: clang (14) finds too few registers for them. At -O0 a frame pointer takes one that they need; with MVE gcc 12 finds too
-// few at -Os (and at -O3 and -Og in places, which no macro tells: there -DSPANTEX_ROWS_DSP=0, the plain loops, the same pixels).
+// few at -Os (and at -O3 and -Og in places, which no macro tells: there -DSPANTEX_ROWS_DSP=0, the plain loops, the same pixels). Two neighbours are
+// loaded as one word at any texel: not where words have to be aligned (-mno-unaligned-access).
 #ifndef SPANTEX_ROWS_DSP
-#if !defined(__clang__) && defined(__ARM_FEATURE_DSP) && __ARM_FEATURE_DSP && __ARM_ARCH_PROFILE == 'M' && defined(__ARMEL__) && defined(__thumb2__) && defined(__OPTIMIZE__) && !(defined(__ARM_FEATURE_MVE) && defined(__OPTIMIZE_SIZE__))
+#if !defined(__clang__) && defined(__ARM_FEATURE_DSP) && __ARM_FEATURE_DSP && defined(__ARM_FEATURE_UNALIGNED) && __ARM_ARCH_PROFILE == 'M' && defined(__ARMEL__) && defined(__thumb2__) && defined(__OPTIMIZE__) && !(defined(__ARM_FEATURE_MVE) && defined(__OPTIMIZE_SIZE__))
 #define SPANTEX_ROWS_DSP 1
 #else
 #define SPANTEX_ROWS_DSP 0
@@ -23,7 +24,7 @@
 
 // Where code is to be small the plain loops are; a frame pointer would take a register here too (-DSPANTEX_ROWS_THUMB1=0).
 #ifndef SPANTEX_ROWS_THUMB1
-#if !defined(__clang__) && defined(__thumb__) && !defined(__thumb2__) && defined(__ARMEL__) && defined(__OPTIMIZE__) && !defined(__OPTIMIZE_SIZE__)
+#if !defined(__clang__) && (defined(__ARM_ARCH_6M__) || defined(__ARM_ARCH_8M_BASE__)) && defined(__ARMEL__) && defined(__OPTIMIZE__) && !defined(__OPTIMIZE_SIZE__)
 #define SPANTEX_ROWS_THUMB1 1
 #else
 #define SPANTEX_ROWS_THUMB1 0

@@ -225,7 +225,7 @@ constexpr int32_t level_rounding(filter kind) { return kind == filter::mip_bilin
 // Whole levels of a block's pixels, -1 where the map is magnified: linear, so extremes are at corners.
 SPANTEX_FRAME_APART constexpr interval levels_of(const block& b, int32_t rounding, int last_level) {
   const int last = (1 << b.k) - 1;
-  const level_run top = level_row_at(b, 0), bottom = level_row_at(b, last);
+  const level_run top = level_row_at(b, 0), bottom = level_row_at(b, (1 << b.n) - 1);
   const int32_t corners[] = {top.start, top.start + last * top.step, bottom.start, bottom.start + last * bottom.step};
   interval x{corners[0], corners[0]};
   for (int32_t c : corners) x = {c < x.low ? c : x.low, c > x.high ? c : x.high};
@@ -269,7 +269,7 @@ SPANTEX_FRAME_APART inline void box_of_block(const block& b, int level, walk& w,
   const int n = (1 << b.k) - 1, down = level - b.unit_log2, pairs = n * (n - 1) / 2;
   out = {{INT32_MAX, INT32_MIN}, {INT32_MAX, INT32_MIN}};
   for (int end = 0; end < 2; ++end) {
-    row_at(b, end * n, w);
+    row_at(b, end * ((1 << b.n) - 1), w);
     if (down != 0) w = scaled(w, down);
     widen(out.u, w.u, w.u + n * w.du + pairs * w.ddu);
     widen(out.v, w.v, w.v + n * w.dv + pairs * w.ddv);
