@@ -90,6 +90,13 @@ SPANTEX_CASE(planes_to_the_horizon_are_drawn_in_front_of_it_only) {
     homography m = random_homography(random, 1);
     m.i = -multiply(m.g, random.between(0, width)) - multiply(m.h, random.between(0, height));
     for (filter kind : app::row_filters) check_picture(m, t, kind, {0, 0, width, height});
+    static plane p;
+    if (make_plane(m, {0, 0, width, height}, p) != status::ok) continue;
+    for (int32_t y = 0; y < height; ++y)
+      for (int32_t x = 0; x < width; ++x) {
+        rows::reference_position at{};
+        assert_int_equal(rows::find_block(p, x, y, -1, at), p.w_at(2 * x + 1, 2 * y + 1) > 0);
+      }
   }
 }
 
