@@ -17,6 +17,9 @@ extern void (*init_array_end[])();
 #if defined(__ARM_FEATURE_MVE) || (defined(__ARM_FP) && __ARM_FP)
   asm volatile("ldr r0, =0xE000ED88\n ldr r1, [r0]\n orr r1, r1, #0xF00000\n str r1, [r0]\n dsb\n isb");
 #endif
+#if !defined(__ARM_FEATURE_UNALIGNED)  // CCR.UNALIGN_TRP: where code for Cortex-M0+ runs on an emulated M3, it faults as on its own core
+  asm volatile("ldr r0, =0xE000ED14\n ldr r1, [r0]\n movs r2, #8\n orr r1, r2\n str r1, [r0]");
+#endif
   asm volatile("ldr r0, =start\n bx r0");
 }
 
