@@ -24,14 +24,14 @@ struct block_axis {
   int32_t base;   // whole texels of level 0
   int32_t offset; // added to every position, 2^-16 unit; a unit is 2^unit_log2 texels
   int32_t c;      // 2^-16
-  int32_t b;      // 2^-(16 + k)
+  int32_t b;      // 2^-(16 + n); 0 if n = 0
   int32_t slope;  // a - c g: w^2 du/dhx in the middle row; 2^-(16 + k)
   int32_t twist;  // a h - b g: what it gains per hy; 2^-(16 + k)
 };
 
 struct block {
   block_axis u, v;
-  int32_t g, h;   // 2^-(16 + k)
+  int32_t g, h;   // 2^-(16 + k), 2^-(16 + n); h = 0 if n = 0
   int32_t level;  // level of detail at the centre, s.16; filters with levels
   int8_t k, n;    // 2^k pixels wide, 2^n high; k = 0: one pixel
   int8_t unit_log2;
@@ -115,16 +115,16 @@ class quotients {
 };
 
 constexpr block_axis axis_of(int64_t c, int64_t a, int64_t b, int32_t base, const quotients& by_w, const block& o) {
-  const int bits = 16 + o.k - o.unit_log2;
-  const int32_t qa = by_w.at(a, bits), qb = by_w.at(b, bits), qc = by_w.at(c, 16 - o.unit_log2);
-  return {base, 0, qc, qb, qa - ((qc >> 6) * o.g >> 10), ((qa >> 9) * o.h - (qb >> 9) * o.g) >> (7 + o.k)};
+  const int bits = 16 - o.unit_log2;
+  const int32_t qa = by_w.at(a, bits + o.k), qb = o.n == 0 ? 0 : by_w.at(b, bits + o.n), qc = by_w.at(c, bits);
+  return {base, 0, qc, qb, qa - ((qc >> 6) * o.g >> 10), ((qa >> 9) * o.h - (qb >> 9) * o.g) >> (7 + o.n)};
 }
 
 // Both axes, k, unit and level set.
 SPANTEX_FRAME_APART constexpr void set_axes(const reference& r, uint64_t largest, block& o) {
   const quotients by_w(r, largest);
   o.g = by_w.at(r.g, 16 + o.k);
-  o.h = by_w.at(r.h, 16 + o.k);
+  o.h = o.n == 0 ? 0 : by_w.at(r.h, 16 + o.n);
   o.u = axis_of(r.c_u, r.a_u, r.b_u, r.base_u, by_w, o);
   o.v = axis_of(r.c_v, r.a_v, r.b_v, r.base_v, by_w, o);
 }
@@ -207,9 +207,9 @@ template <bool Bent, class Int>
 #ifndef __OPTIMIZE_SIZE__
 [[gnu::always_inline]]
 #endif
-constexpr row_axis<Int> axis_at(const block_axis& x, Int hy, const row_terms<Int>& t, int k) {
+constexpr row_axis<Int> axis_at(const block_axis& x, Int hy, const row_terms<Int>& t, int k, int rows_log2) {
   const int32_t reach = reach_of(k);
-  const Int n = x.c + (x.b * hy >> k), s = x.slope + x.twist * hy;
+  const Int n = x.c + (x.b * hy >> rows_log2), s = x.slope + x.twist * hy;
   const Int slope = s - ((s >> 9) * t.q2 >> 7);
   const Int position = n - ((n >> 8) * t.q >> 9) + x.offset;
   Int half = slope >> k;
@@ -224,18 +224,18 @@ template <class Int, class Walk>
 [[gnu::always_inline]] constexpr void rows_at(const block& b, Int j, Walk& out) {
   const int k = b.k;
   const int32_t reach = reach_of(k);
-  const Int hy = 2 * j - reach_of(b.n), q = series_of<Int>(b.h * hy >> (k - 1));
+  const Int hy = 2 * j - reach_of(b.n), q = series_of<Int>(2 * b.h * hy >> b.n);
   row_terms<Int> t;
   t.q = q;
   t.q2 = q - (q * q >> 18);
   const auto both = [&](const row_axis<Int>& u, const row_axis<Int>& v) { out = {u.start, v.start, u.step, v.step, u.bend, v.bend}; };
 #ifndef __OPTIMIZE_SIZE__  // what comes of the rest, sooner
-  if (b.g == 0) return both(axis_at<false>(b.u, hy, t, k), axis_at<false>(b.v, hy, t, k));
+  if (b.g == 0) return both(axis_at<false>(b.u, hy, t, k, b.n), axis_at<false>(b.v, hy, t, k, b.n));
 #endif
   t.g = b.g - (b.g * q >> 17);
   const Int e = t.g * reach >> (k + 1);  // 2^-15
   t.third = 3 * (e * e >> 15) >> 2;
-  both(axis_at<true>(b.u, hy, t, k), axis_at<true>(b.v, hy, t, k));
+  both(axis_at<true>(b.u, hy, t, k, b.n), axis_at<true>(b.v, hy, t, k, b.n));
 }
 
 }  // namespace detail
@@ -249,9 +249,9 @@ constexpr void row_at(const block& b, int32_t j, walk& out) {
 // Level of detail along row j, s.16: linear in the block. 2/ln 2 = 23637/8192.
 struct level_run { int32_t start, step; };
 constexpr level_run level_row_at(const block& b, int j) {
-  const auto per_half_pixel = [&](int32_t slope) { return -(slope * 23637 >> (13 + b.k)); };
-  const int32_t x = per_half_pixel(b.g), hy = 2 * j - reach_of(b.n);
-  return {b.level + per_half_pixel(b.h) * hy - x * reach_of(b.k), 2 * x};
+  const auto per_half_pixel = [](int32_t slope, int side_log2) { return -(slope * 23637 >> (13 + side_log2)); };
+  const int32_t x = per_half_pixel(b.g, b.k), hy = 2 * j - reach_of(b.n);
+  return {b.level + per_half_pixel(b.h, b.n) * hy - x * reach_of(b.k), 2 * x};
 }
 
 }  // namespace spantex::rows
