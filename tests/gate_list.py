@@ -34,6 +34,8 @@ GATES = [
      "return int32_t(scale_down(int64_t(u.raw()), decltype(u)::fraction_bits + level - bits, (void(mode), rounding::floor)));", "conformance", "exact_conforms_at*", ["sim/verifier.cpp"]),
     ("texel centres off by half", F + "datapath.hpp", "const auto u = position - half_texel_of(level);",
      "const auto u = position - half_texel{};", "conformance", "exact_conforms_at*", ["sim/verifier.cpp"]),
+    ("rows: slopes of W as coarse as coordinates", F + "rows/block.hpp", "o.g = slopes.at(", "o.g = by_w.at(", "rows", "positions_keep*", []),
+    ("rows: boxes of blocks too small", F + "rows/run.hpp", "scale_down(1 << 13, down) + 64;", "0 * down;", "rows", "positions_keep*", []),
     ("rows: blocks that bend too much", F + "rows/block.hpp", "1 << (23 + 2 - row_tolerance_bits)", "1 << (23 + 7 - row_tolerance_bits)", "rows", "positions_keep*", []),
     ("rows: blocks at the horizon passed over", F + "rows/block.hpp", "if (w + sum <= 0) return outcome::behind;", "if (w <= 0) return outcome::behind;", "rows", "planes_to*", []),
     ("rows: a block's second half left out", F + "rows/draw.hpp", "else x += 1 << k;", "else x += 1 << k << 6;", "rows", "kernels_draw*repeat", []),

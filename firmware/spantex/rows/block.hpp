@@ -99,11 +99,10 @@ constexpr int32_t upper_word(int32_t x, int32_t y) {
 #endif
 }
 
-// Quotients by W of numbers no larger than `largest`: numbers and 1/W cut to 31 bits (floor), the upper word of the product, to nearest.
+// Quotients by W of numbers below 2^bits: numbers and 1/W cut to 31 bits (floor), the upper word of the product, to nearest.
 class quotients {
  public:
-  constexpr quotients(const reference& r, uint64_t largest)
-      : inverse_(int32_t(r.inverse_w.y >> 1)), drop_(bit_length(largest) - 31), shift_(30 + r.inverse_w.exponent - drop_) {}
+  constexpr quotients(const inverse& w, int bits) : inverse_(int32_t(w.y >> 1)), drop_(bits - 31), shift_(30 + w.exponent - drop_) {}
   constexpr int32_t at(int64_t n, int scale) const {
     const int32_t x = drop_ >= 0 ? int32_t(n >> drop_) : int32_t(n) * (1 << -drop_);
     return shift_right(upper_word(x, inverse_), shift_ - scale);
@@ -114,19 +113,19 @@ class quotients {
   int drop_, shift_;
 };
 
-constexpr block_axis axis_of(int64_t c, int64_t a, int64_t b, int32_t base, const quotients& by_w, const block& o) {
+constexpr void set_axis(int64_t c, int64_t a, int64_t b, int32_t base, const quotients& by_w, const block& o, block_axis& out) {
   const int bits = 16 - o.unit_log2;
   const int32_t qa = by_w.at(a, bits + o.k), qb = o.n == 0 ? 0 : by_w.at(b, bits + o.n), qc = by_w.at(c, bits);
-  return {base, 0, qc, qb, qa - ((qc >> 6) * o.g >> 10), ((qa >> 9) * o.h - (qb >> 9) * o.g) >> (7 + o.n)};
+  out = {base, 0, qc, qb, qa - ((qc >> 6) * o.g >> 10), ((qa >> 9) * o.h - (qb >> 9) * o.g) >> (7 + o.n)};
 }
 
-// Both axes, k, unit and level set.
+// Both axes, k, unit and level set. |G| <= W/8, and |H| if n > 0.
 SPANTEX_FRAME_APART constexpr void set_axes(const reference& r, uint64_t largest, block& o) {
-  const quotients by_w(r, largest);
-  o.g = by_w.at(r.g, 16 + o.k);
-  o.h = o.n == 0 ? 0 : by_w.at(r.h, 16 + o.n);
-  o.u = axis_of(r.c_u, r.a_u, r.b_u, r.base_u, by_w, o);
-  o.v = axis_of(r.c_v, r.a_v, r.b_v, r.base_v, by_w, o);
+  const quotients by_w(r.inverse_w, bit_length(largest)), slopes(r.inverse_w, r.inverse_w.exponent + 32 - 3);
+  o.g = slopes.at(r.g, 16 + o.k);
+  o.h = o.n == 0 ? 0 : slopes.at(r.h, 16 + o.n);
+  set_axis(r.c_u, r.a_u, r.b_u, r.base_u, by_w, o, o.u);
+  set_axis(r.c_v, r.a_v, r.b_v, r.base_v, by_w, o, o.v);
 }
 
 // The term of third degree, at most a X (g X)^2 units, X the reach, is replaced by its best line: a quarter of it is left.
@@ -168,7 +167,7 @@ constexpr outcome block_at(const plane& p, int32_t x, int32_t y, int k, int n, l
     o.unit_log2 = int8_t(k == 0 ? 0 : detail::unit_of(o.level, levels.last_level));
   }
   if (k == 0) {  // a coordinate out of range is +-32767
-    const detail::quotients by_w(r, magnitude(r.c_u) | magnitude(r.c_v) | uint64_t(r.w));
+    const detail::quotients by_w(r.inverse_w, bit_length(magnitude(r.c_u) | magnitude(r.c_v) | uint64_t(r.w)));
     o.g = o.h = 0;
     o.u = {r.base_u, 0, r.u_in_range ? by_w.at(r.c_u, 16) : 0, 0, 0, 0};
     o.v = {r.base_v, 0, r.v_in_range ? by_w.at(r.c_v, 16) : 0, 0, 0, 0};
