@@ -260,7 +260,7 @@ static homography random_horizon(random_source& random, int32_t w, int32_t h) {
   return {scale(), scale(), offset(), scale(), scale(), offset(), g, f, i};
 }
 
-// Against the plane's own forms. And a row does not leave its block's box, by which kernels are let off looking for the map's borders.
+// Against the plane's own forms. And no pixel leaves its block's box, by which kernels are let off looking for the map's borders.
 SPANTEX_CASE(positions_keep_their_bound_towards_any_horizon) {
   random_source random(10);
   exactness e[2];
@@ -281,9 +281,10 @@ SPANTEX_CASE(positions_keep_their_bound_towards_any_horizon) {
       rows::detail::box box;
       rows::detail::set_offsets(found.b, found.b.unit_log2, rows::snap);
       rows::detail::box_of_block(found.b, found.b.unit_log2, at, box);
-      rows::row_at(found.b, found.j, at);
-      at = rows::advanced(at, found.i);
-      assert_true(at.u >= box.u.low && at.u <= box.u.high && at.v >= box.v.low && at.v <= box.v.high);
+      for (int j = 0; j < 1 << found.b.n; ++j) {
+        rows::row_at(found.b, j, at);
+        for (int i = 0; i < 1 << found.b.k; ++i, at.step()) assert_true(at.u >= box.u.low && at.u <= box.u.high && at.v >= box.v.low && at.v <= box.v.high);
+      }
     }
   }
   print_message("%lld positions, worst 1/%.1f texel; %lld with levels, worst 1/%.1f unit, %lld of units of 8 texels and more\n", (long long)e[0].pixels,
