@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Drawing by rows, a pixel at a time as docs/SPEC.md "Rows" says it: its block is found by halving the 32 x 32 pixels that hold it, its position
+// Drawing by rows, a pixel at a time as docs/SPEC.md "Rows" says it: its block is found by halving the 32 x 32 or 256 x 32 pixels that hold it, its position
 // the row's polynomial, its colour a function of sample.hpp, every texel wrapped on its own. Slow; kernels and borders have no part in it.
 #pragma once
 #include <spantex/rows/draw.hpp>
@@ -10,11 +10,11 @@ struct reference_position { block b; int i, j; };
 
 // last_level < 0: a filter without levels.
 inline bool find_block(const plane& p, int32_t x, int32_t y, int last_level, reference_position& out) {
-  reference r{};
+  centre r{};
   const auto try_at = [&](int32_t x0, int32_t y0, int k, int n) {
     return last_level < 0 ? block_at<false>(p, x0, y0, k, n, {}, r, out.b) : block_at<true>(p, x0, y0, k, n, {last_level, 0}, r, out.b);
   };
-  for (int k = largest_block_log2, n = k;;) {
+  for (int k = has_straight_rows(p) ? widest_block_log2 : largest_block_log2, n = largest_block_log2;;) {
     const int32_t x0 = x >> k << k, y0 = y >> n << n;
     switch (try_at(x0, y0, k, n)) {
       case outcome::behind: return false;

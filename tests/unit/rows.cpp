@@ -119,9 +119,10 @@ SPANTEX_CASE(polygons_cover_the_pixels_of_their_masks) {
   int drawn = 0;
   for (int n = 0; n < 60; ++n) {
     vertex corners[3];
+    const int32_t depth = between(random, 1 << 15, 6 << 16);  // of every other one: facing the viewer, drawn in wide blocks
     for (vertex& v : corners) {
-      v = {between(random, -3 << 16, 3 << 16), between(random, -3 << 16, 3 << 16), between(random, 1 << 15, 6 << 16), between(random, 0, 64 << 16),
-           between(random, 0, 64 << 16)};
+      v = {between(random, -3 << 16, 3 << 16), between(random, -3 << 16, 3 << 16), n % 2 == 0 ? depth : between(random, 1 << 15, 6 << 16),
+           between(random, 0, 64 << 16), between(random, 0, 64 << 16)};
     }
     if (make_polygon(corners, 3, camera, {0, 0, width, height}, p) != status::ok) continue;
     ++drawn;
@@ -178,6 +179,20 @@ SPANTEX_CASE(at_least_99_percent_of_the_texels_are_those_of_exact_arithmetic) {
       print_message("%-8s 320/%d: %.3f %% right, worst 1/%.0f texel\n", s.name, down, 100.0 * double(e.right) / double(e.pixels), 1 / e.worst);
       assert_true(e.right * 100 >= e.pixels * 99);
     }
+}
+
+// As defined, however a core finds them.
+SPANTEX_CASE(inverses_are_exact) {
+  random_source random(12);
+  const auto check = [](uint32_t m) {
+    const auto expected = int32_t(((uint64_t(1) << 62) - 1) / m);
+    if (rows::detail::inverse_of(m) != expected || rows::detail::inverse_by_bits(m) != expected) fail_msg("of %08x", unsigned(m));
+  };
+  for (uint32_t n = 0; n < 100000; ++n) {
+    check(0x80000000u + n);
+    check(0xFFFFFFFFu - n);
+    check(uint32_t(random.next()) | 0x80000000u);
+  }
 }
 
 // Where the horizon is level the planes of rows_scenes.hpp need no block narrower than 32 pixels, level by level; on level 0 alone towards the horizon.
@@ -277,13 +292,20 @@ SPANTEX_CASE(positions_keep_their_bound_towards_any_horizon) {
       if (w <= 0 || found.b.k == 0) continue;
       scaled += found.b.unit_log2 > 2;
       e[levels].compare(found, p.u_at(hx, hy), p.v_at(hx, hy), w);
-      rows::walk at;
+      rows::walk at[2];
       rows::detail::box box;
+      const int last = (1 << found.b.n) - 1, count = std::min(1 << found.b.k, 32), first = found.i & -32;
       rows::detail::set_offsets(found.b, found.b.unit_log2, rows::snap);
-      rows::detail::box_of_block(found.b, found.b.unit_log2, at, box);
-      for (int j = 0; j < 1 << found.b.n; ++j) {
-        rows::row_at(found.b, j, at);
-        for (int i = 0; i < 1 << found.b.k; ++i, at.step()) assert_true(at.u >= box.u.low && at.u <= box.u.high && at.v >= box.v.low && at.v <= box.v.high);
+      const auto row_from = [&](int j, rows::walk& out) {
+        rows::row_at(found.b, j, out);
+        out = rows::advanced(out, first);
+      };
+      row_from(0, at[0]);
+      row_from(last, at[1]);
+      rows::detail::box_of_rows(at[0], at[1], count, 0, box);
+      for (int j = 0; j <= last; ++j) {
+        row_from(j, at[0]);
+        for (int i = 0; i < count; ++i, at[0].step()) assert_true(at[0].u >= box.u.low && at[0].u <= box.u.high && at[0].v >= box.v.low && at[0].v <= box.v.high);
       }
     }
   }
@@ -381,6 +403,7 @@ int main() {
       cmocka_unit_test(planes_far_from_the_origin_are_drawn),
       cmocka_unit_test(polygons_cover_the_pixels_of_their_masks),
       cmocka_unit_test(at_least_99_percent_of_the_texels_are_those_of_exact_arithmetic),
+      cmocka_unit_test(inverses_are_exact),
       cmocka_unit_test(blocks_of_planes_with_a_level_horizon_are_wide),
       cmocka_unit_test(rows_in_lanes_are_those_made_one_by_one),
       cmocka_unit_test(positions_keep_their_bound),

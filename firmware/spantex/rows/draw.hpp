@@ -115,15 +115,15 @@ class painter {
 
   SPANTEX_FRAME_MERGED void draw() {
     if (area_.empty()) return;
-    constexpr int side = detail::largest_side;
-    for (int32_t y = area_.y0 & -side; y < area_.y1; y += side)
-      for (int32_t x = area_.x0 & -side; x < area_.x1; x += side) draw_square(x, y);
+    const int32_t width_log2 = has_straight_rows(plane_) ? widest_block_log2 : largest_block_log2, width = 1 << width_log2, height = detail::largest_side;
+    for (int32_t y = area_.y0 & -height; y < area_.y1; y += height)
+      for (int32_t x = area_.x0 & -width; x < area_.x1; x += width) draw_largest(x, y, width_log2);
   }
 
  private:
-  // Blocks of 32 x 32 pixels: halves, one after the other, of what cannot be drawn.
-  void draw_square(int32_t x, int32_t y) {
-    int k = largest_block_log2, n = largest_block_log2;
+  // A block as large as they come: halves, one after the other, of what cannot be drawn.
+  void draw_largest(int32_t x, int32_t y, int k) {
+    int n = largest_block_log2;
     uint32_t path = 1;  // the halvings that lead here, two bits each, the last one lowest: 1 if this is the second half, 2 if it is one of upper and lower
     while (path != 0) {
       const outcome next = draw_block(x, y, k, n);
@@ -140,71 +140,141 @@ class painter {
     }
   }
 
-  struct block_part { int32_t x0, y0; int8_t left, right, top, bottom; };
-
   SPANTEX_FRAME_MERGED outcome draw_block(int32_t x0, int32_t y0, int k, int n) {
     const int32_t left = max_of(area_.x0 - x0, 0), right = min_of(area_.x1 - x0, 1 << k);
     const int32_t top = max_of(area_.y0 - y0, 0), bottom = min_of(area_.y1 - y0, 1 << n);
-    // Made at once it takes less stack, made when it is needed fewer instructions.
-    const auto make_part = [&] { return block_part{x0, y0, int8_t(left), int8_t(right), int8_t(top), int8_t(bottom)}; };
-    block_part part{};
-    if constexpr (Small) part = make_part();
-    if (left >= right || top >= bottom || !cover_.prepare(memory_.masks, x0, y0, k, n)) return outcome::behind;
-    block& b = memory_.coordinates;
+    if (left >= right || top >= bottom || (k <= largest_block_log2 && !cover_.prepare(memory_.masks, x0, y0, k, n))) return outcome::behind;
     // Inlined where code is to be least; else its frame is not to lie under the kernels'.
     constexpr auto at = Map == map_kind::repeats_in_powers_of_two ? block_at<false> : block_at_apart<uses_levels(Kind)>;
-    const outcome found = at(plane_, x0, y0, k, n, {map_.last_level(), 0}, memory_.about, b);
-    if (found != outcome::drawn) return found;
-    if constexpr (!Small) part = make_part();
-    if constexpr (Map == map_kind::repeats_in_powers_of_two) draw_masked(b, part);
-    else if constexpr (uses_levels(Kind)) draw_with_levels(b, part);
-    else on_one_level(b, part, 0, find_source(b, 0, Kind == filter::nearest ? 0 : snap));
-    return outcome::drawn;
+    const outcome found = at(plane_, x0, y0, k, n, {map_.last_level(), 0}, memory_.about, memory_.coordinates);
+    if (found == outcome::drawn) draw_strips(x0, y0, left, right, top, bottom);
+    return found;
   }
+
+  using block_part = detail::block_part;
+  SPANTEX_FRAME_MERGED void draw_strips(int32_t x0, int32_t y0, int32_t left, int32_t right, int32_t top, int32_t bottom) {
+    block& b = memory_.coordinates;
+    const auto end_of = [](int32_t at, int32_t multiple, int32_t end) { return min_of((at | (multiple - 1)) + 1, end); };
+    block_part& part = memory_.part;
+    part = {x0, y0, 0, 0, int8_t(top), 0, 0, false};
+    for (; part.top < bottom; part.top = part.bottom) {
+      part.left = int16_t(left);
+      part.right = int16_t(right);
+      part.bottom = int8_t(end_of(part.top, b.straight ? detail::wide_strip_rows : detail::strip_rows, bottom));
+      if constexpr (uses_levels(Kind)) {
+        if (!find_levels(b, part)) {
+          draw_by_rows(b, part);
+          continue;
+        }
+      }
+      begin_rows(b, part);
+      for (;;) {
+        part.right = int16_t(end_of(part.left, detail::largest_side, right));
+        if (b.k <= largest_block_log2 || prepare_part(part)) draw_part(b, part);
+        if (part.right == right) break;
+        for (int j = part.top; j < part.bottom; ++j) detail::go_on(memory_.rows[detail::row_in_strip(j)], part.right - part.left);
+        part.left = part.right;
+      }
+    }
+  }
+  bool prepare_part(const block_part& part) {
+    const int32_t x = part.left & -detail::largest_side, y = part.top & -detail::wide_strip_rows;
+    return cover_.prepare(memory_.masks + y, part.x0 + x, part.y0 + y, largest_block_log2, min_of(memory_.coordinates.n, 3));  // 8 rows or less
+  }
+  // Sets the levels of a strip, shortened to rows that lie on the same. False if even those along a row differ.
+  SPANTEX_FRAME_APART bool find_levels(const block& b, block_part& part) {
+    const int last_level = map_.last_level();
+    detail::interval levels{};
+    for (;;) {
+      levels = detail::levels_of(b, part.top, part.bottom, detail::level_rounding(Kind), last_level);
+      if (levels.low == levels.high) break;
+      if (!b.straight) return false;
+      part.bottom = int8_t((part.top + part.bottom) / 2);
+    }
+    part.level = int8_t(max_of(levels.low, 0));
+    part.two = Kind == filter::trilinear && levels.low >= 0 && levels.low < last_level;
+    return true;
+  }
+  // Positions of the part's rows on a level from its left; where the kernels read.
+  SPANTEX_FRAME_APART void begin_rows(block& b, const block_part& part) {
+    const int level = part.level;
+    if constexpr (Map == map_kind::repeats_in_powers_of_two) {
+      b.u.offset = wrapped_base(b.u.base, map_.width()) << 16;
+      b.v.offset = wrapped_base(b.v.base, map_.height()) << 16;
+    } else {
+      detail::set_offsets(b, level, Kind == filter::nearest ? 0 : snap);
+      memory_.fine = level_of(map_, level);
+      memory_.at.base_u = detail::base_on(level, b.u.base);
+      memory_.at.base_v = detail::base_on(level, b.v.base);
+    }
+    detail::make_rows(b, part.top, part.bottom, memory_.rows);
+    const int down = uses_levels(Kind) ? level - b.unit_log2 : 0;
+    if (down == 0 && part.left == 0) return;
+    for (int j = part.top; j < part.bottom; ++j) {
+      walk& w = memory_.rows[detail::row_in_strip(j)];
+      if (uses_levels(Kind) && down != 0) w = detail::scaled(w, down);
+      detail::go_on(w, part.left);
+    }
+  }
+  static constexpr int32_t wrapped_base(int32_t base, int32_t size) { return base & (size - 1); }
 
   // A copy is not read again row by row, or block by block, but costs stack.
   using part_of_rows = typename detail::kept<block_part, Small>::type;
   using area_of_blocks = typename detail::kept<rectangle, Small>::type;
   template <class Row>
   [[gnu::always_inline]] void each_row(part_of_rows part, const Row& draw_row) {
-    const uint32_t wanted = detail::columns(part.left, part.right);
+    const int32_t column = part.left & -detail::largest_side;
+    const uint32_t wanted = detail::columns(part.left - column, part.right - column);
     for (int32_t j = part.top; j < part.bottom; ++j) {
       int first = part.left, count = part.right - part.left;
       if constexpr (!Cover::whole_rows) {
         const uint32_t mask = cover_.row(memory_.masks, j) & wanted;
         if (mask == 0) continue;
-        first = __builtin_ctz(mask);
-        count = 32 - __builtin_clz(mask) - first;
+        const int skipped = __builtin_ctz(mask);
+        first = column + skipped;
+        count = 32 - __builtin_clz(mask) - skipped;
       }
       draw_row(target_.row(part.x0 + first, part.y0 + j, count), first, count, j);
       target_.done(part.x0 + first, part.y0 + j, count);
     }
   }
 
-  // With walks from pixel `first`, on a level for which offsets are set.
+  // With walks from pixel `first`.
   template <class Row>
-  [[gnu::always_inline]] void each_walk(const block& b, const block_part& part, int level, const Row& draw_row) {
-    detail::row_maker rows;
+  [[gnu::always_inline]] void each_walk(part_of_rows part, const Row& draw_row) {
     each_row(part, [&](texel565* out, int first, int count, int j) {
-      walk& w = rows.at(b, j, memory_.at.at);
-      if (level != b.unit_log2) w = detail::scaled(w, level - b.unit_log2);
-      if (first != 0) w = advanced(w, first);
-      draw_row(out, first, count, j, w);
+      const walk* w = &memory_.rows[detail::row_in_strip(j)];
+      if (!Cover::whole_rows && first != part.left) {
+        memory_.at.at = *w;
+        detail::go_on(memory_.at.at, first - part.left);
+        w = &memory_.at.at;
+      }
+      draw_row(out, first, count, j, *w);
     });
   }
-  // Runs that are cut go on in memory_.at.
-  [[gnu::always_inline]] level_walk& going_on([[maybe_unused]] const walk& w) {
-    if constexpr (SPANTEX_ROWS_MVE) memory_.at.at = w;
-    return memory_.at;
+
+  void draw_part(const block& b, const block_part& part) {
+    if constexpr (Map == map_kind::repeats_in_powers_of_two) {
+      draw_masked(part, 0, 0);
+    } else {
+      const bool whole = find_source(b, part, part.level);
+      if constexpr (Kind == filter::trilinear) {
+        if (part.two) {
+          if (find_coarser_source(b, part.level) && whole) draw_with_two(b, part);
+          else draw_two_cut_at_borders(b, part);
+          return;
+        }
+      }
+      if (!draw_with_level(part, whole)) draw_cut_at_borders(part);
+    }
   }
 
-  // Sets offsets for a level, and finds where the kernels read. False if borders of the level cut the block.
-  SPANTEX_FRAME_APART bool find_source(block& b, int level, int32_t offset) {
-    detail::set_offsets(b, level, offset);
-    memory_.fine = level_of(map_, level);
-    detail::box_of_block(b, level, memory_.at.at, memory_.reach);
-    const detail::box& x = memory_.reach;
-    return detail::source_of(memory_.fine, x.u, x.v, detail::base_on(level, b.u.base), detail::base_on(level, b.v.base), Kind == filter::nearest ? 0 : 1, memory_.near);
+  // Finds where the kernels read. False if borders of the level cut the part.
+  SPANTEX_FRAME_APART bool find_source(const block& b, const block_part& part, int level) {
+    detail::box& x = memory_.reach;
+    const auto row = [&](int j) -> const walk& { return memory_.rows[detail::row_in_strip(j)]; };
+    detail::box_of_rows(row(part.top), row(part.bottom - 1), part.right - part.left, level - b.unit_log2, x);
+    return detail::source_of(memory_.fine, x.u, x.v, memory_.at.base_u, memory_.at.base_v, Kind == filter::nearest ? 0 : 1, memory_.near);
   }
   // Then of the level after it.
   SPANTEX_FRAME_APART bool find_coarser_source(const block& b, int level) {
@@ -214,60 +284,63 @@ class painter {
                              b.u.base >> (level + 1), b.v.base >> (level + 1), 1, memory_.far);
   }
 
-  // All pixels on one level. False if its borders cut the block.
-  [[gnu::noinline]] bool draw_with_level(const block& b, const block_part& part, int level, bool whole) {
+  // All pixels on one level. False if its borders cut the part.
+  [[gnu::noinline]] bool draw_with_level(const block_part& part, bool whole) {
     constexpr filter kind = uses_levels(Kind) ? filter::bilinear : Kind;
     const source& s = memory_.near;
 #if SPANTEX_ROWS_MVE
     if constexpr (kind == filter::bilinear) {
       mve::source map;
-      if (whole ? detail::lanes_within(memory_.reach, s, map) : detail::lanes_wrapped(memory_.fine, detail::base_on(level, b.u.base), detail::base_on(level, b.v.base), map)) {
-        each_walk(b, part, level, [&](texel565* out, int, int count, int, const walk& w) { mve::bilinear(out, count, w, map, memory_.between.words); });
+      if (whole ? detail::lanes_within(memory_.reach, s, map) : detail::lanes_wrapped(memory_.fine, memory_.at.base_u, memory_.at.base_v, map)) {
+        each_walk(part, [&](texel565* out, int, int count, int, const walk& w) { mve::bilinear(out, count, w, map, memory_.between.words); });
         return true;
       }
     }
 #endif
     if (!whole) return false;
-    each_walk(b, part, level, [&](texel565* out, int, int count, int, const walk& w) { run<kind>(out, count, w, s, memory_.between); });
+    each_walk(part, [&](texel565* out, int, int count, int, const walk& w) { run<kind>(out, count, w, s, memory_.between); });
     return true;
   }
-  SPANTEX_FRAME_APART void draw_cut_at_borders(block& b, const block_part& part, int level) {
+  SPANTEX_FRAME_APART void draw_cut_at_borders(const block_part& part) {
     constexpr filter kind = uses_levels(Kind) ? filter::bilinear : Kind;
-    if (kind == filter::nearest && wraps_by_mask(memory_.fine)) return draw_masked(b, part);
-    memory_.at.base_u = detail::base_on(level, b.u.base);
-    memory_.at.base_v = detail::base_on(level, b.v.base);
-    each_walk(b, part, level, [&](texel565* out, int, int count, int, const walk& w) {
-      draw_level<kind>(out, count, memory_.fine, going_on(w), memory_.between);
+    if (kind == filter::nearest && memory_.fine.masked)
+      return draw_masked(part, wrapped_base(memory_.at.base_u, memory_.fine.width), wrapped_base(memory_.at.base_v, memory_.fine.height));
+    each_walk(part, [&](texel565* out, int, int count, int, const walk& w) {
+      memory_.at.at = w;
+      draw_level<kind>(out, count, memory_.fine, memory_.at, memory_.between);
     });
   }
 
-  // Texels of level 0 of a map that repeats in powers of two: masks wrap, no run is cut.
-  SPANTEX_FRAME_MERGED SPANTEX_WRAPS void draw_masked(block& b, const block_part& part) {
-    b.u.offset = (b.u.base & (map_.width() - 1)) << 16;
-    b.v.offset = (b.v.base & (map_.height() - 1)) << 16;
+  // Texels of level 0 of a map that repeats in powers of two: masks wrap, no run is cut. The base is added to positions.
+  SPANTEX_FRAME_MERGED SPANTEX_WRAPS void draw_masked(const block_part& part, int32_t base_u, int32_t base_v) {
     const uint32_t masks = uint32_t(map_.height() - 1) << 16 | uint32_t(map_.width() - 1);
     const source s{map_.numbers(0), 2 * map_.width()};
-    each_walk(b, part, 0, [&](texel565* out, int, int count, int, const walk& w) { nearest_masked_run(out, count, w, s, masks); });
+    each_walk(part, [&](texel565* out, int, int count, int, const walk& w) {
+      if constexpr (Map == map_kind::repeats_in_powers_of_two) return nearest_masked_run(out, count, w, s, masks);
+      walk& moved = memory_.at.at;
+      moved = w;
+      moved.u += base_u << 16;
+      moved.v += base_v << 16;
+      nearest_masked_run(out, count, moved, s, masks);
+    });
   }
 
   // All pixels between two levels.
-  [[gnu::noinline]] void draw_with_two(const block& b, const block_part& part, int level) {
-    each_row_between(b, part, level, [&](texel565* out, int count, const walk& w) {
+  [[gnu::noinline]] void draw_with_two(const block& b, const block_part& part) {
+    each_walk_between(b, part, [&](texel565* out, int count, const walk& w) {
       trilinear_run(out, count, w, memory_.near, memory_.far, memory_.level, memory_.between);
     });
   }
-  SPANTEX_FRAME_APART void draw_two_cut_at_borders(block& b, const block_part& part, int level) {
-    memory_.at.base_u = detail::base_on(level, b.u.base);
-    memory_.at.base_v = detail::base_on(level, b.v.base);
-    each_row_between(b, part, level, [&](texel565* out, int count, const walk& w) {
-      going_on(w);
+  SPANTEX_FRAME_APART void draw_two_cut_at_borders(const block& b, const block_part& part) {
+    each_walk_between(b, part, [&](texel565* out, int count, const walk& w) {
+      memory_.at.at = w;
       draw_between(out, count, memory_);
     });
   }
   // With memory_.level of the row's first pixel.
   template <class Row>
-  [[gnu::always_inline]] void each_row_between(const block& b, const block_part& part, int level, const Row& draw_row) {
-    each_walk(b, part, level, [&](texel565* out, int first, int count, int j, const walk& w) {
+  [[gnu::always_inline]] void each_walk_between(const block& b, const block_part& part, const Row& draw_row) {
+    each_walk(part, [&](texel565* out, int first, int count, int j, const walk& w) {
       set_level(b, first, j);
       draw_row(out, count, w);
     });
@@ -278,29 +351,10 @@ class painter {
     memory_.level = d;
   }
 
-  void on_one_level(block& b, const block_part& part, int level, bool whole) {
-    if (!draw_with_level(b, part, level, whole)) draw_cut_at_borders(b, part, level);
-  }
-
-  // How a block is drawn that has levels of detail: whole on a level, or cut at its borders; between two levels, likewise; or row by row, where its pixels
-  // lie on several.
-  enum class way : uint8_t { on_one, cut_on_one, between_two, cut_between_two, by_rows };
-  SPANTEX_FRAME_APART way find_way(block& b, int& level) {
-    const detail::interval levels = detail::levels_of(b, detail::level_rounding(Kind), map_.last_level());
-    if (levels.low != levels.high) return way::by_rows;
-    level = max_of(levels.low, 0);
-    const bool whole = find_source(b, level, snap);
-    if (Kind == filter::mip_bilinear || levels.low < 0 || level == map_.last_level()) return whole ? way::on_one : way::cut_on_one;
-    return find_coarser_source(b, level) && whole ? way::between_two : way::cut_between_two;
-  }
-  [[gnu::always_inline]] void draw_with_levels(block& b, const block_part& part) {
-    int level = 0;
-    const way how = find_way(b, level);
-    if (how <= way::cut_on_one) on_one_level(b, part, level, how == way::on_one);
-    else if (how == way::by_rows) draw_by_rows(part);
-    else if constexpr (Kind != filter::mip_bilinear) how == way::between_two ? draw_with_two(b, part, level) : draw_two_cut_at_borders(b, part, level);
-  }
-  SPANTEX_FRAME_APART void draw_by_rows(const block_part& part) {
+  // Row by row, where pixels of one lie on several levels.
+  SPANTEX_FRAME_APART void draw_by_rows(block& b, const block_part& part) {
+    b.u.offset = b.v.offset = 0;
+    detail::make_rows(b, part.top, part.bottom, memory_.rows);
     each_row(part, [&](texel565* out, int first, int count, int j) {
       for (const int end = first + count; first < end;) {
         const level_part x = begin_part<Kind>(map_, j, first, end, memory_);
@@ -337,7 +391,7 @@ template <filter Kind, map_kind Map = map_kind::any, class Target>
 status draw(state& memory, const Target& target, const plane& p, const texture_view& t, const rectangle& area) {
   static_assert(Map == map_kind::any || Kind == filter::nearest, "spantex: only the nearest texel is wrapped by masks");
   SPANTEX_TRY(check(t, Kind));
-  if (Map != map_kind::any && !wraps_by_mask(level_of(t, 0))) return status::out_of_range;
+  if (Map != map_kind::any && !level_of(t, 0).masked) return status::out_of_range;
   painter<Kind, Target, detail::rectangle_cover, Map>(p, t, target, area, {}, memory).draw();
   return status::ok;
 }

@@ -17,15 +17,18 @@ struct level_view {
   const texel565* texels;
   int32_t width, height;
   wrap wrap_u, wrap_v;
+  bool masked;  // repeats_in_powers_of_two()
 };
 
-constexpr level_view level_of(const texture_view& t, int level) {
-  return {t.numbers(level), t.width(level), t.height(level), t.wrap_u(), t.wrap_v()};
+// A map that repeats in powers of two: whole positions wrap by masks.
+constexpr bool repeats_in_powers_of_two(const level_view& t) {
+  return t.wrap_u == wrap::repeat && t.wrap_v == wrap::repeat && (t.width & (t.width - 1)) == 0 && (t.height & (t.height - 1)) == 0;
 }
 
-// A map that repeats in powers of two: whole positions wrap by masks.
-constexpr bool wraps_by_mask(const level_view& t) {
-  return t.wrap_u == wrap::repeat && t.wrap_v == wrap::repeat && (t.width & (t.width - 1)) == 0 && (t.height & (t.height - 1)) == 0;
+constexpr level_view level_of(const texture_view& t, int level) {
+  level_view out{t.numbers(level), t.width(level), t.height(level), t.wrap_u(), t.wrap_v(), false};
+  out.masked = repeats_in_powers_of_two(out);
+  return out;
 }
 
 // Positions along a run on one level: whole texels, and a walk relative to them.
@@ -141,12 +144,13 @@ SPANTEX_FRAME_APART inline int run_within(const level_view& t, const level_walk&
 inline uint32_t wrapped_texel(const level_view& t, int32_t x, int32_t y) {
   return t.texels[wrapped(t.wrap_v, y, t.height) * t.width + wrapped(t.wrap_u, x, t.width)];
 }
+inline texels masked_texels(const level_view& t, int32_t x, int32_t y) {
+  const int32_t across = t.width - 1, down = t.height - 1, x0 = x & across, x1 = (x + 1) & across;
+  const texel565 *const top = t.texels + (y & down) * t.width, *const bottom = t.texels + ((y + 1) & down) * t.width;
+  return {top[x0], top[x1], bottom[x0], bottom[x1]};
+}
 inline texels wrapped_texels(const level_view& t, int32_t x, int32_t y) {
-  if (wraps_by_mask(t)) {
-    const int32_t across = t.width - 1, down = t.height - 1, x0 = x & across, x1 = (x + 1) & across;
-    const texel565 *const top = t.texels + (y & down) * t.width, *const bottom = t.texels + ((y + 1) & down) * t.width;
-    return {top[x0], top[x1], bottom[x0], bottom[x1]};
-  }
+  if (t.masked) return masked_texels(t, x, y);
   const int32_t x0 = wrapped(t.wrap_u, x, t.width), x1 = wrapped(t.wrap_u, x + 1, t.width);
   const texel565 *const top = t.texels + wrapped(t.wrap_v, y, t.height) * t.width, *const bottom = t.texels + wrapped(t.wrap_v, y + 1, t.height) * t.width;
   return {top[x0], top[x1], bottom[x0], bottom[x1]};
@@ -161,7 +165,7 @@ inline bool lanes_within(const box& x, const source& s, mve::source& out) {
 }
 // Any positions, which lanes wrap.
 inline bool lanes_wrapped(const level_view& t, int32_t base_u, int32_t base_v, mve::source& out) {
-  if (!wraps_by_mask(t) || t.width < 2 || t.width * t.height > 1 << 16 || max_of(t.width, t.height) > mve::longest_side) return false;
+  if (!t.masked || t.width < 2 || t.width * t.height > 1 << 16 || max_of(t.width, t.height) > mve::longest_side) return false;
   out = {t.texels, t.width, uint16_t(t.width - 1), uint16_t((t.height - 1) * t.width), uint32_t(base_u) << 16, uint32_t(base_v) << 16};
   return true;
 }
@@ -222,10 +226,10 @@ namespace detail {
 // What is added to a level of detail so that its whole part is the level: to nearest at the fraction's bits, or the nearest level.
 constexpr int32_t level_rounding(filter kind) { return kind == filter::mip_bilinear ? (1 << 15) - 1 : 1 << (15 - blend_bits); }
 
-// Whole levels of a block's pixels, -1 where the map is magnified: linear, so extremes are at corners.
-SPANTEX_FRAME_APART constexpr interval levels_of(const block& b, int32_t rounding, int last_level) {
+// Whole levels of rows [from, to) of a block, -1 where the map is magnified: linear, so extremes are at corners.
+SPANTEX_FRAME_APART constexpr interval levels_of(const block& b, int from, int to, int32_t rounding, int last_level) {
   const int last = (1 << b.k) - 1;
-  const level_run top = level_row_at(b, 0), bottom = level_row_at(b, (1 << b.n) - 1);
+  const level_run top = level_row_at(b, from), bottom = level_row_at(b, to - 1);
   const int32_t corners[] = {top.start, top.start + last * top.step, bottom.start, bottom.start + last * bottom.step};
   interval x{corners[0], corners[0]};
   for (int32_t c : corners) x = {c < x.low ? c : x.low, c > x.high ? c : x.high};
@@ -233,46 +237,54 @@ SPANTEX_FRAME_APART constexpr interval levels_of(const block& b, int32_t roundin
   return {whole(x.low), whole(x.high)};
 }
 
-// Rows of a block, each once and one after the other (a row may be changed where it lies): in `w` or, where vectors make four at once, in memory of their own.
 inline namespace SPANTEX_ROWS_KERNELS {
-struct row_maker {
-#if SPANTEX_ROWS_MVE
-  walk rows[4];
-  int made = -1;  // the first of them
+// A block is drawn in strips of rows, made at once. Those of wide blocks are low, so that fewer parts of them lie on the map's borders; others as high as there is
+// memory for.
+inline constexpr int wide_strip_rows = 8, strip_rows = SPANTEX_ROWS_DSP ? 16 : 8;
+constexpr int row_in_strip(int j) { return j & (strip_rows - 1); }
 
-  [[gnu::always_inline]] walk& at(const block& b, int j, walk& w) {
-    if (b.k == 0) {
-      row_at(b, j, w);
-      return w;
-    }
-    if (made != (j & ~3)) {
-      made = j & ~3;
-      mve::rows_at(b, made, rows);
-    }
-    return rows[j & 3];
-  }
-#else
-  [[gnu::always_inline]] static walk& at(const block& b, int j, walk& w) {
-    row_at(b, j, w);
-    return w;
+// Rows [from, to) of a block, all in one strip.
+SPANTEX_FRAME_APART inline void make_rows(const block& b, int from, int to, walk* rows) {
+#if SPANTEX_ROWS_MVE
+  if (b.k > 0) {
+    for (int j = from & ~3; j < to; j += 4) mve::rows_at(b, j, rows + row_in_strip(j));
+    return;
   }
 #endif
-};
+#ifndef __OPTIMIZE_SIZE__
+  if (b.k > 0) {
+    const block same = b;  // not what is written
+    if (same.straight) for (int j = from; j < to; ++j) rows_at<true>(same, j, rows[row_in_strip(j)]);
+    else for (int j = from; j < to; ++j) rows_at<false>(same, j, rows[row_in_strip(j)]);
+    return;
+  }
+#endif
+  for (int j = from; j < to; ++j) row_at(b, j, rows[row_in_strip(j)]);
+}
 }  // namespace SPANTEX_ROWS_KERNELS
 
-// Positions of all pixels of a block on a level: the hull of its corners, and an eighth of a unit for what rows leave out. `w`: memory for a row.
+// What is drawn at once of a block at (x0, y0): columns [left, right) of 32 of them, rows [top, bottom) of a strip, on a level alone or between it and the next.
+struct block_part {
+  int32_t x0, y0;
+  int16_t left, right;
+  int8_t top, bottom;
+  int8_t level;
+  bool two;
+};
+
+// Positions of `count` pixels of the rows between two of a block, on a level `down` above its own: the hull of their ends, and an eighth of a unit for what
+// rows leave out.
 constexpr void widen(interval& x, int32_t a, int32_t b) {
   x.low = min_of(x.low, min_of(a, b));
   x.high = max_of(x.high, max_of(a, b));
 }
-SPANTEX_FRAME_APART inline void box_of_block(const block& b, int level, walk& w, box& out) {
-  const int n = (1 << b.k) - 1, down = level - b.unit_log2, pairs = n * (n - 1) / 2;
+SPANTEX_FRAME_APART constexpr void box_of_rows(const walk& top, const walk& bottom, int count, int down, box& out) {
+  const int n = count - 1, pairs = n * (n - 1) / 2;
   out = {{INT32_MAX, INT32_MIN}, {INT32_MAX, INT32_MIN}};
-  for (int end = 0; end < 2; ++end) {
-    row_at(b, end * ((1 << b.n) - 1), w);
-    if (down != 0) w = scaled(w, down);
-    widen(out.u, w.u, w.u + n * w.du + pairs * w.ddu);
-    widen(out.v, w.v, w.v + n * w.dv + pairs * w.ddv);
+  const walk* const rows[] = {&top, &bottom};
+  for (const walk* w : rows) {
+    widen(out.u, w->u, w->u + n * w->du + pairs * w->ddu);
+    widen(out.v, w->v, w->v + n * w->dv + pairs * w->ddv);
   }
   const int32_t margin = scale_down(1 << 13, down) + 64;
   out = {{out.u.low - margin, out.u.high + margin}, {out.v.low - margin, out.v.high + margin}};
@@ -282,7 +294,7 @@ SPANTEX_FRAME_APART inline void box_of_block(const block& b, int level, walk& w,
 
 inline namespace SPANTEX_ROWS_KERNELS {
 
-// One surface being drawn. Its memory is the caller's: `state`, 440 bytes on a core of 32 bits, 816 with what DSP kernels work in, 1008 with those of Cortex-M0+.
+// One surface being drawn. Its memory is the caller's: `state`, 624 bytes on a core of 32 bits, 1192 with what DSP kernels or those of Cortex-M0+ work in.
 struct state {
   level_view fine, coarse;        // what runs need comes first: Cortex-M0+ reaches 31 words from an address
   level_walk at;
@@ -290,7 +302,9 @@ struct state {
   source near, far;               // where it reads
   detail::copy within;            // the copy of both levels that it lies in
   block coordinates;
-  reference about;                // of the block
+  centre about;                   // of the block
+  walk rows[detail::strip_rows];  // of a strip of the block
+  detail::block_part part;        // that is drawn
   detail::box reach;              // of its positions
   uint32_t masks[1 << largest_block_log2];  // of the block's rows; polygons
   rectangle area;                 // to be drawn
@@ -315,32 +329,44 @@ SPANTEX_FRAME_APART inline int run_within_both(state& s, int count) {
 
 SPANTEX_FRAME_APART inline uint16_t pixel_between(const level_view& fine, const level_view& coarse, const level_walk& w, int32_t level) {
   const int32_t u = detail::coarser(w.at.u), v = detail::coarser(w.at.v);
-  const detail::upper_sums a = detail::four_points(detail::wrapped_texels(fine, w.base_u + texel_of(w.at.u), w.base_v + texel_of(w.at.v)), weight_of(w.at.u), weight_of(w.at.v));
-  const detail::upper_sums b = detail::four_points(detail::wrapped_texels(coarse, (w.base_u >> 1) + texel_of(u), (w.base_v >> 1) + texel_of(v)), weight_of(u), weight_of(v));
-  return detail::pixel_between(a, b, fraction_of(level));
+  const int32_t x = w.base_u + texel_of(w.at.u), y = w.base_v + texel_of(w.at.v), coarse_x = (w.base_u >> 1) + texel_of(u), coarse_y = (w.base_v >> 1) + texel_of(v);
+  texels a, b;
+#ifndef __OPTIMIZE_SIZE__
+  if (fine.masked) {  // then the other does as well
+    a = detail::masked_texels(fine, x, y);
+    b = detail::masked_texels(coarse, coarse_x, coarse_y);
+  } else
+#endif
+  {
+    a = detail::wrapped_texels(fine, x, y);
+    b = detail::wrapped_texels(coarse, coarse_x, coarse_y);
+  }
+  return detail::pixel_between(detail::four_points(a, weight_of(w.at.u), weight_of(w.at.v)), detail::four_points(b, weight_of(u), weight_of(v)), fraction_of(level));
 }
 
-// Between the state's levels, from where it is. A pixel beside the copy of the run before needs no search: it is read texel by texel.
+// Between the state's levels, from where it is. Pixels beside the copy of the run before need no search: they are read texel by texel.
 [[gnu::noinline]] inline void draw_between(uint16_t* out, int count, state& s) {
-  for (bool known = false; count > 0;) {
-    int n = 0;
-    if (!known || !detail::is_beside(s.at.at, s.within)) {
-      n = detail::run_within_both(s, count);
-      known = n >= 0;
-    }
-    if (n > 0) trilinear_run(out, n, s.at.at, s.near, s.far, s.level, s.between);
-    else *out = pixel_between(s.fine, s.coarse, s.at, s.level.start);
-    n = max_of(n, 1);
-    out += n;
-    count -= n;
-    if (count > 0) {
+  while (count > 0) {
+    const int n = detail::run_within_both(s, count);
+    if (n > 0) {
+      trilinear_run(out, n, s.at.at, s.near, s.far, s.level, s.between);
+      count -= n;
+      if (count == 0) return;
+      out += n;
       detail::go_on(s.at.at, n);
       s.level.start += n * s.level.step;
+    }
+    for (bool alone = n <= 0; count > 0 && (alone || (n >= 0 && detail::is_beside(s.at.at, s.within))); alone = false) {
+      *out++ = pixel_between(s.fine, s.coarse, s.at, s.level.start);
+      --count;
+      s.at.at.step();
+      s.level.start += s.level.step;
     }
   }
 }
 
-// The first pixels of [first, end) of row j of a block that lie on one whole level, or between the same two: how many; the state is set for them.
+// The first pixels of [first, end) of row j of a block that lie on one whole level, or between the same two: how many; the state is set for them. Its rows
+// have been made without an offset.
 struct level_part { int count; bool two; };
 template <filter Kind>
 [[gnu::noinline]] inline level_part begin_part(const texture_view& t, int j, int first, int end, state& s) {
@@ -356,7 +382,9 @@ template <filter Kind>
   s.fine = level_of(t, fine);
   w.base_u = detail::base_on(fine, b.u.base);
   w.base_v = detail::base_on(fine, b.v.base);
-  row_at(b, j, w.at);
+  w.at = s.rows[detail::row_in_strip(j)];
+  w.at.u += b.u.offset;
+  w.at.v += b.v.offset;
   if (fine != b.unit_log2) w.at = detail::scaled(w.at, fine - b.unit_log2);
   if (first > 0) w.at = advanced(w.at, first);
   if (Kind == filter::mip_bilinear || at < 0 || at == t.last_level()) return {n, false};
