@@ -46,6 +46,16 @@ struct walk {
   SPANTEX_WRAPS constexpr void step() { u += du; v += dv; du += ddu; dv += ddv; }
 };
 
+// Not by a call of memcpy, as Cortex-M0+ would.
+constexpr void copy(const walk& from, walk& to) {
+  to.u = from.u;
+  to.v = from.v;
+  to.du = from.du;
+  to.dv = from.dv;
+  to.ddu = from.ddu;
+  to.ddv = from.ddv;
+}
+
 SPANTEX_WRAPS constexpr walk advanced(const walk& w, int i) {
   const int32_t pairs = i * (i - 1) / 2;
   return {w.u + i * w.du + pairs * w.ddu, w.v + i * w.dv + pairs * w.ddv, w.du + i * w.ddu, w.dv + i * w.ddv, w.ddu, w.ddv};

@@ -245,7 +245,7 @@ class painter {
     each_row(part, [&](texel565* out, int first, int count, int j) {
       const walk* w = &memory_.rows[detail::row_in_strip(j)];
       if (!Cover::whole_rows && first != part.left) {
-        memory_.at.at = *w;
+        copy(*w, memory_.at.at);
         detail::go_on(memory_.at.at, first - part.left);
         w = &memory_.at.at;
       }
@@ -306,7 +306,7 @@ class painter {
     if (kind == filter::nearest && memory_.fine.masked)
       return draw_masked(part, wrapped_base(memory_.at.base_u, memory_.fine.width), wrapped_base(memory_.at.base_v, memory_.fine.height));
     each_walk(part, [&](texel565* out, int, int count, int, const walk& w) {
-      memory_.at.at = w;
+      copy(w, memory_.at.at);
       draw_level<kind>(out, count, memory_.fine, memory_.at, memory_.between);
     });
   }
@@ -333,7 +333,7 @@ class painter {
   }
   SPANTEX_FRAME_APART void draw_two_cut_at_borders(const block& b, const block_part& part) {
     each_walk_between(b, part, [&](texel565* out, int count, const walk& w) {
-      memory_.at.at = w;
+      copy(w, memory_.at.at);
       draw_between(out, count, memory_);
     });
   }
