@@ -47,7 +47,7 @@ const char *spantex_status_string(spantex_status status);
 #if UINTPTR_MAX > 0xFFFFFFFFu
 #define SPANTEX_MAP_BYTES 256
 #define SPANTEX_TARGET_BYTES 144
-#define SPANTEX_STATE_BYTES 1280
+#define SPANTEX_STATE_BYTES 1344
 #else
 #define SPANTEX_MAP_BYTES 192
 #define SPANTEX_TARGET_BYTES 136
