@@ -15,7 +15,7 @@ using namespace spantex::sim;
 
 static rows::state state;
 static int32_t between(random_source& random, int32_t low, int32_t high) { return int32_t(random.between(low, high)); }
-static constexpr int32_t width = 200, height = 150;
+static constexpr int32_t width = 300, height = 100;  // more than one block, however wide
 static uint16_t frame[width * height];
 
 // A map with levels of its own size, exactly as much memory as its texels take.
