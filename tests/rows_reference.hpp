@@ -56,7 +56,7 @@ inline bool reference_pixel(const plane& p, const texture_view& t, filter kind, 
     return kind == filter::three_point ? pixel_of<filter::three_point>(level_of(t, level), w) : pixel_of<filter::bilinear>(level_of(t, level), w);
   };
   if (!uses_levels(kind)) { out = one(0); return true; }
-  const level_run run = level_row_at(at.b, at.j);
+  const level_run run = level_rows_of(at.b).row(at.j);
   const int32_t level = run.start + at.i * run.step + detail::level_rounding(kind);
   const int whole = int(clamp_to(level >> 16, -1, t.last_level())), fine = max_of(whole, 0);
   if (kind == filter::mip_bilinear || whole < 0 || fine == t.last_level()) { out = one(fine); return true; }

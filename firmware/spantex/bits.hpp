@@ -51,6 +51,22 @@ constexpr uint64_t multiply_32(uint32_t a, uint32_t b) {
 #endif
 }
 
+// a b, which fits, in products of 32 bits.
+SPANTEX_WRAPS constexpr int64_t multiply_in_pieces(int64_t a, int32_t b) {
+  const uint32_t low = uint32_t(a), a0 = low & 0xFFFF, a1 = low >> 16, b0 = uint32_t(b) & 0xFFFF;
+  const int32_t b1 = b >> 16;
+  const uint32_t bottom = a0 * b0, first = a1 * b0 + (bottom >> 16);
+  const int32_t second = int32_t(a0) * b1 + int32_t(first & 0xFFFF);
+  const uint32_t top = uint32_t(int32_t(a1) * b1) + (first >> 16) + uint32_t(second >> 16) + uint32_t(a >> 32) * uint32_t(b);
+  return int64_t(uint64_t(top) << 32 | (uint32_t(second) << 16 | (bottom & 0xFFFF)));
+}
+// a b, which fits. ARMv6-M's compilers call a product of two numbers of 64 bits for it.
+#if defined(__ARM_ARCH_6M__) && !defined(__OPTIMIZE_SIZE__)
+[[gnu::noinline]] constexpr int64_t multiply_by_32(int64_t a, int32_t b) { return multiply_in_pieces(a, b); }
+#else
+constexpr int64_t multiply_by_32(int64_t a, int32_t b) { return a * b; }
+#endif
+
 constexpr int max_of(int a, int b) { return a > b ? a : b; }
 constexpr int min_of(int a, int b) { return a < b ? a : b; }
 

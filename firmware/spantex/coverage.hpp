@@ -24,7 +24,7 @@ struct screen_point { int32_t x, y; };
 // e(x, y) = a x + b y + c >= 0 inside, in units of 1/256 pixel; |a|, |b| <= 2^23, |c| < 2^48.
 struct edge {
   int64_t a, b, c;
-  constexpr int64_t at(int32_t x, int32_t y) const { return a * x + b * y + c; }
+  constexpr int64_t at(int32_t x, int32_t y) const { return multiply_by_32(a, x) + multiply_by_32(b, y) + c; }
   friend constexpr bool operator==(const edge&, const edge&) = default;
 };
 
@@ -47,11 +47,11 @@ struct edge_set {
 
 constexpr int32_t centre_subpixels(int32_t pixel) { return pixel * (1 << subpixel_bits) + (1 << (subpixel_bits - 1)); }
 
-// An edge's least and largest value at the centres of width x height pixels.
+// An edge's least and largest value at the centres of width x height pixels, at most 256 each.
 struct edge_range { int64_t corner, low, high; };
 constexpr edge_range range_of(const edge& e, int32_t x, int32_t y, int32_t width, int32_t height) {
   constexpr int32_t step = 1 << subpixel_bits;
-  const int64_t corner = e.at(centre_subpixels(x), centre_subpixels(y)), far_x = e.a * ((width - 1) * step), far_y = e.b * ((height - 1) * step);
+  const int64_t corner = e.at(centre_subpixels(x), centre_subpixels(y)), far_x = int64_t(int32_t(e.a) * (width - 1)) * step, far_y = int64_t(int32_t(e.b) * (height - 1)) * step;
   return {corner, corner + (far_x < 0 ? far_x : 0) + (far_y < 0 ? far_y : 0), corner + (far_x > 0 ? far_x : 0) + (far_y > 0 ? far_y : 0)};
 }
 

@@ -56,7 +56,7 @@ struct plane {
   int16_t rounding_bits = 0;                  // within the region and 16 pixels around a form is off by less than 2^(rounding_bits - 1) units
 
   constexpr int64_t value(const linear_form& f, int32_t hx, int32_t hy) const {
-    return f.c + f.x * (hx - origin_x) + f.y * (hy - origin_y);
+    return f.c + multiply_by_32(f.x, hx - origin_x) + multiply_by_32(f.y, hy - origin_y);
   }
   constexpr wide value(const wide_form& f, int32_t hx, int32_t hy) const {
     return f.c + multiply(f.x, hx - origin_x) + multiply(f.y, hy - origin_y);

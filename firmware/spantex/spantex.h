@@ -51,7 +51,7 @@ const char *spantex_status_string(spantex_status status);
 #else
 #define SPANTEX_MAP_BYTES 192
 #define SPANTEX_TARGET_BYTES 136
-#define SPANTEX_STATE_BYTES 1888
+#define SPANTEX_STATE_BYTES 2088
 #endif
 
 typedef union spantex_map { unsigned char bytes[SPANTEX_MAP_BYTES]; uint64_t alignment; } spantex_map;

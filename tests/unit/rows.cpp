@@ -275,6 +275,28 @@ static homography random_horizon(random_source& random, int32_t w, int32_t h) {
   return {scale(), scale(), offset(), scale(), scale(), offset(), g, f, i};
 }
 
+// The bound of docs/ACCURACY.md "Rows" for the level of detail: 0.0246, and what its rounding adds.
+SPANTEX_CASE(levels_of_rows_keep_their_bound) {
+  random_source random(14);
+  double worst = 0;
+  int checked = 0;
+  for (int n = 0; n < 4000; ++n) {
+    static plane p;
+    if (make_plane(random_horizon(random, width, height), {0, 0, width, height}, p) != status::ok) continue;
+    for (int k = 0; k < 20; ++k) {
+      const int32_t x = between(random, 0, width - 1), y = between(random, 0, height - 1);
+      rows::reference_position at{};
+      if (!rows::find_block(p, x, y, 12, at)) continue;
+      const rows::level_run run = rows::level_rows_of(at.b).row(at.j);
+      const double exact = double(p.major_log2) / 65536 - 2 * std::log2(double(p.w_at(2 * x + 1, 2 * y + 1))) - 1;
+      worst = std::max(worst, std::abs((run.start + at.i * run.step) / 65536.0 - exact));
+      ++checked;
+    }
+  }
+  print_message("%d levels of detail, worst %.4f\n", checked, worst);
+  assert_true(checked > 10000 && worst <= 0.025);
+}
+
 // Against the plane's own forms. And no pixel leaves its block's box, by which kernels are let off looking for the map's borders.
 SPANTEX_CASE(positions_keep_their_bound_towards_any_horizon) {
   random_source random(10);
@@ -408,6 +430,7 @@ int main() {
       cmocka_unit_test(rows_in_lanes_are_those_made_one_by_one),
       cmocka_unit_test(positions_keep_their_bound),
       cmocka_unit_test(positions_keep_their_bound_towards_any_horizon),
+      cmocka_unit_test(levels_of_rows_keep_their_bound),
       cmocka_unit_test(colours_lie_between_their_texels_and_constants_stay),
       cmocka_unit_test(pairs_of_texels_are_weighted_as_the_specification_says),
       cmocka_unit_test(maps_and_filters_that_rows_do_not_have_are_refused),

@@ -56,6 +56,19 @@ SPANTEX_CASE(products_of_words_are_exact) {
   });
 }
 
+// As cores without products of 64 bits make them.
+SPANTEX_CASE(products_by_32_bits_are_those_of_64) {
+  const auto check = [](int64_t a, int64_t word) {
+    for (const int32_t b : {int32_t(word), int32_t(word >> 32)}) {
+      const big exact = big(a) * b;
+      if (exact == big(int64_t(exact))) assert_true(multiply_in_pieces(a, b) == int64_t(exact) && multiply_by_32(a, b) == int64_t(exact));
+    }
+  };
+  for_word_pairs(check);
+  random_source random(5);
+  for (int k = 0; k < 400000; ++k) check(random.any_magnitude(40), random.any_magnitude(24));
+}
+
 SPANTEX_CASE(products_with_a_word_are_exact_where_they_fit) {
   random_source random(4);
   int checked = 0;
@@ -143,6 +156,7 @@ SPANTEX_CASE(the_low_word_comes_back) {
 int main() {
   const CMUnitTest tests[] = {
       cmocka_unit_test(products_of_words_are_exact),
+      cmocka_unit_test(products_by_32_bits_are_those_of_64),
       cmocka_unit_test(products_with_a_word_are_exact_where_they_fit),
       cmocka_unit_test(sums_differences_and_order_are_exact),
       cmocka_unit_test(carries_cross_the_middle),

@@ -85,16 +85,19 @@ namespace detail {
 
 // How far a number goes from a block's centre, by its rows and by its columns.
 struct change { uint64_t across, down; };
-SPANTEX_FRAME_APART constexpr change change_of(int64_t a, int64_t b, int k, int n) { return {magnitude(a) * uint32_t(reach_of(k)), magnitude(b) * uint32_t(reach_of(n))}; }
+SPANTEX_FRAME_APART constexpr change change_of(int64_t a, int64_t b, int k, int n) {
+  const auto reached = [](int64_t x, int side_log2) { return magnitude(multiply_by_32(x, reach_of(side_log2))); };
+  return {reached(a, k), reached(b, n)};
+}
 
 // Halves of a block that cannot be drawn: of the side that the greater change is along. A single column has no halves left and right; one of several
 // pixels has no rows.
 constexpr outcome halves_of(int k, int n, const change& x) { return n > 0 && (k <= 1 || x.down >= x.across) ? outcome::upper_and_lower : outcome::left_and_right; }
 
-// Whether the block is in front of the viewer, and |e| <= 1/8.
-constexpr outcome by_depth(const plane& p, int32_t hx, int32_t hy, int k, int n) {
+// Whether the block is in front of the viewer, and |e| <= 1/8; w: at its centre.
+constexpr outcome by_depth(const plane& p, int64_t w, int k, int n) {
   const change slope = change_of(p.w.x, p.w.y, k, n);
-  const int64_t w = p.w_at(hx, hy), sum = int64_t(slope.across + slope.down);
+  const int64_t sum = int64_t(slope.across + slope.down);
   if (w + sum <= 0) return outcome::behind;
   return sum > w >> 3 ? halves_of(k, n, slope) : outcome::drawn;
 }
@@ -159,12 +162,12 @@ constexpr void set_axis(const plane& p, const linear_form& f, int32_t hx, int32_
   out.in_range = base >= -32768 && base <= 32768;
   if (!out.in_range) base = n < 0 ? -32767 : 32767;
   out.base = base;
-  out.c = n - base * r.w;
-  out.a = f.x - base * p.w.x;
-  out.b = f.y - base * p.w.y;
+  out.c = n - multiply_by_32(r.w, base);
+  out.a = f.x - multiply_by_32(p.w.x, base);
+  out.b = f.y - multiply_by_32(p.w.y, base);
 }
+// W set.
 SPANTEX_FRAME_APART constexpr void set_centre(const plane& p, int32_t hx, int32_t hy, centre& r) {
-  r.w = p.w_at(hx, hy);
   r.exponent = bit_length(uint64_t(r.w)) - 32;
   r.inverse = inverse_of(r.exponent >= 0 ? uint32_t(uint64_t(r.w) >> r.exponent) : uint32_t(r.w) << -r.exponent);
   set_axis(p, p.u, hx, hy, r, r.u);
@@ -179,8 +182,9 @@ constexpr uint64_t farthest_of(const centre_axis& x, int k, int n) {
 [[gnu::noinline]] constexpr uint64_t largest_of(const centre& r, const block& o) {
   if (!r.u.in_range || !r.v.in_range) return 0;
   const uint64_t u = farthest_of(r.u, o.k, o.n), v = farthest_of(r.v, o.k, o.n), larger = u > v ? u : v;
-  if (larger >> (5 + o.unit_log2) >= uint64_t(r.w) * (o.straight ? 8 : 3)) return 0;
-  return larger | uint64_t(r.w) >> 3 | 1;
+  const uint64_t w = uint64_t(r.w);
+  if (larger >> (5 + o.unit_log2) >= (o.straight ? 8 * w : 3 * w)) return 0;
+  return larger | w >> 3 | 1;
 }
 SPANTEX_FRAME_APART constexpr outcome halves_in_reach(const centre& r, int k, int n) {
   return halves_of(k, n, change_of(int64_t(magnitude(r.u.a) + magnitude(r.v.a)), int64_t(magnitude(r.u.b) + magnitude(r.v.b)), k, n));
@@ -229,7 +233,8 @@ struct level_terms { int last_level, bias; };
 template <bool Levels>
 constexpr outcome block_at(const plane& p, int32_t x, int32_t y, int k, int n, level_terms levels, centre& r, block& out) {
   const int32_t hx = 2 * x + (1 << k), hy = 2 * y + (1 << n);
-  if (const outcome seen = detail::by_depth(p, hx, hy, k, n); seen != outcome::drawn) return seen;
+  r.w = p.w_at(hx, hy);
+  if (const outcome seen = detail::by_depth(p, r.w, k, n); seen != outcome::drawn) return seen;
   detail::set_centre(p, hx, hy, r);
   block& o = out;
   o.k = int8_t(k);
@@ -333,12 +338,18 @@ constexpr void row_at(const block& b, int32_t j, walk& out) {
   else detail::rows_at(b, j, out);
 }
 
-// Level of detail along row j, s.16: linear in the block. 2/ln 2 = 23637/8192.
+// Level of detail along a row, s.16.
 struct level_run { int32_t start, step; };
-constexpr level_run level_row_at(const block& b, int j) {
+
+// Of a block's rows: linear in the block. 2/ln 2 = 23637/8192.
+struct level_rows {
+  int32_t start, step, down;
+  constexpr level_run row(int j) const { return {start + j * down, step}; }
+};
+constexpr level_rows level_rows_of(const block& b) {
   const auto per_half_pixel = [](int32_t slope, int side_log2) { return -(slope * 23637 >> (13 + side_log2)); };
-  const int32_t x = per_half_pixel(b.g, b.k), hy = 2 * j - reach_of(b.n);
-  return {b.level + per_half_pixel(b.h >> 2, b.n) * hy - x * reach_of(b.k), 2 * x};
+  const int32_t x = per_half_pixel(b.g, b.k), y = per_half_pixel(b.h >> 2, b.n);
+  return {b.level - x * reach_of(b.k) - y * reach_of(b.n), 2 * x, 2 * y};
 }
 
 }  // namespace spantex::rows

@@ -172,9 +172,17 @@ class painter {
         part.right = int16_t(end_of(part.left, detail::largest_side, right));
         if (b.k <= largest_block_log2 || prepare_part(part)) draw_part(b, part);
         if (part.right == right) break;
-        for (int j = part.top; j < part.bottom; ++j) detail::go_on(memory_.rows[detail::row_in_strip(j)], part.right - part.left);
+        step_rows(part);
         part.left = part.right;
       }
+    }
+  }
+  // Rows wider than a part are straight.
+  SPANTEX_FRAME_APART SPANTEX_WRAPS void step_rows(const block_part& part) {
+    walk* w = &memory_.rows[detail::row_in_strip(part.top)];
+    for (int n = part.bottom - part.top; n > 0; --n, ++w) {
+      w->u += (part.right - part.left) * w->du;
+      w->v += (part.right - part.left) * w->dv;
     }
   }
   bool prepare_part(const block_part& part) {
@@ -242,8 +250,9 @@ class painter {
   // With walks from pixel `first`.
   template <class Row>
   [[gnu::always_inline]] void each_walk(part_of_rows part, const Row& draw_row) {
+    const walk* const top = &memory_.rows[detail::row_in_strip(part.top)];
     each_row(part, [&](texel565* out, int first, int count, int j) {
-      const walk* w = &memory_.rows[detail::row_in_strip(j)];
+      const walk* w = Small ? &memory_.rows[detail::row_in_strip(j)] : top + (j - part.top);
       if (!Cover::whole_rows && first != part.left) {
         copy(*w, memory_.at.at);
         detail::go_on(memory_.at.at, first - part.left);
@@ -327,9 +336,7 @@ class painter {
 
   // All pixels between two levels.
   [[gnu::noinline]] void draw_with_two(const block& b, const block_part& part) {
-    each_walk_between(b, part, [&](texel565* out, int count, const walk& w) {
-      trilinear_run(out, count, w, memory_.near, memory_.far, memory_.level, memory_.between);
-    });
+    each_walk_between(b, part, [&](texel565* out, int count, const walk& w) { run_between(out, count, w, memory_); });
   }
   SPANTEX_FRAME_APART void draw_two_cut_at_borders(const block& b, const block_part& part) {
     each_walk_between(b, part, [&](texel565* out, int count, const walk& w) {
@@ -340,16 +347,21 @@ class painter {
   // With memory_.level of the row's first pixel.
   template <class Row>
   [[gnu::always_inline]] void each_walk_between(const block& b, const block_part& part, const Row& draw_row) {
+    level_rows levels{};
+    if constexpr (!Small) levels = levels_to_draw(b);
     each_walk(part, [&](texel565* out, int first, int count, int j, const walk& w) {
-      set_level(b, first, j);
+      if constexpr (Small) set_level(b, first, j);
+      else memory_.level = level_at(levels, first, j);
       draw_row(out, count, w);
     });
   }
-  SPANTEX_FRAME_APART void set_level(const block& b, int first, int j) {
-    level_run d = level_row_at(b, j);
-    d.start += first * d.step + detail::level_rounding(Kind);
-    memory_.level = d;
+  static constexpr level_rows levels_to_draw(const block& b) {
+    level_rows levels = level_rows_of(b);
+    levels.start += detail::level_rounding(Kind);
+    return levels;
   }
+  static constexpr level_run level_at(const level_rows& levels, int first, int j) { return {levels.row(j).start + first * levels.step, levels.step}; }
+  SPANTEX_FRAME_APART void set_level(const block& b, int first, int j) { memory_.level = level_at(levels_to_draw(b), first, j); }
 
   // Row by row, where pixels of one lie on several levels.
   SPANTEX_FRAME_APART void draw_by_rows(block& b, const block_part& part) {

@@ -17,6 +17,8 @@ struct source {
   int32_t pitch_bytes;
 };
 
+inline constexpr int longest_run = 32;
+
 }  // namespace spantex::rows
 
 #if SPANTEX_ROWS_DSP
@@ -29,8 +31,6 @@ struct source {
 #endif
 
 namespace spantex::rows {
-
-inline constexpr int longest_run = 32;
 
 inline namespace SPANTEX_ROWS_KERNELS {
 
@@ -160,7 +160,7 @@ inline void nearest_masked_run(uint16_t* out, int count, const walk& from, const
   else dsp::weighted_places(between.words, count, from, detail::address(s), detail::to_bytes(s));
   dsp::four_points(out, between.words, count, uint32_t(s.pitch_bytes));
 #elif SPANTEX_ROWS_THUMB1
-  thumb1::places(between.words, count, from, s.origin, s.pitch_bytes);
+  thumb1::places(between.words, count, from, s);
   thumb1::four_points(out, between.words, count, s.pitch_bytes);
 #else
   (void)between;
@@ -176,7 +176,7 @@ inline void nearest_masked_run(uint16_t* out, int count, const walk& from, const
   dsp::places(between.words, count, from, detail::address(s), detail::to_bytes(s));
   dsp::three_points(out, between.words, count, uint32_t(s.pitch_bytes));
 #elif SPANTEX_ROWS_THUMB1
-  thumb1::places(between.words, count, from, s.origin, s.pitch_bytes);
+  thumb1::places(between.words, count, from, s);
   thumb1::three_points(out, between.words, count, s.pitch_bytes);
 #else
   (void)between;
@@ -193,11 +193,16 @@ inline void nearest_masked_run(uint16_t* out, int count, const walk& from, const
 }
 
 // Positions on the finer level; those on the coarser follow: (fine + snap) / 2, floor. The whole part of the level is the same all along.
+#if SPANTEX_ROWS_THUMB1
+inline void trilinear_run(uint16_t* out, int count, const walk& from, const source& fine, const source& coarse, const level_run& along, scratch& between) {
+  thumb1::trilinear(out, count, &from, fine, coarse, along, between.words);
+}
+#else
 [[gnu::noinline]] inline void trilinear_run(uint16_t* out, int count, const walk& from, const source& fine, const source& coarse, const level_run& along, scratch& between) {
+#if SPANTEX_ROWS_DSP
   walk at = from;
   level_run level = along;
-#if SPANTEX_ROWS_DSP
-  constexpr int most = dsp::scratch_words / 6;
+  constexpr int most = dsp::scratch_words / dsp::trilinear_words;
   const bool straight = (at.ddu | at.ddv | level.step) == 0;
   dsp::two_levels levels = dsp::levels_of(detail::address(fine), detail::to_bytes(fine), detail::address(coarse), detail::to_bytes(coarse), at, level.step);
   for (; count > 0; count -= most, out += most) {
@@ -206,21 +211,10 @@ inline void nearest_masked_run(uint16_t* out, int count, const walk& from, const
     else dsp::places_of_two(between.words, n, at, level.start, levels);
     dsp::eight_points(out, between.words, n, uint32_t(fine.pitch_bytes));
   }
-#elif SPANTEX_ROWS_THUMB1
-  constexpr int most = thumb1::coarse_pixels_at_once;
-  uint32_t *near = between.words, *const far = near + thumb1::pixel_words * longest_run;
-  thumb1::weighted_places<16>(at, level, fine.origin, fine.pitch_bytes, 1u << blend_bits, ~0u).next(near, count);
-  thumb1::fine_sums(near, count, fine.pitch_bytes);
-  at.u += snap;
-  at.v += snap;
-  for (thumb1::weighted_places<17> places(at, level, coarse.origin, coarse.pitch_bytes, 0, 1); count > 0; count -= most, out += most, near += thumb1::pixel_words * most) {
-    const int n = min_of(count, most);
-    places.next(far, n);
-    thumb1::coarse_pixels(out, near, far, n, coarse.pitch_bytes);
-  }
 #else
   (void)between;
-  for (; count > 0; --count, at.step(), level.start += level.step) {
+  level_run level = along;
+  for (walk at = from; count > 0; --count, at.step(), level.start += level.step) {
     const int32_t u = (at.u + snap) >> 1, v = (at.v + snap) >> 1;
     const detail::upper_sums a = detail::four_points(detail::texel_at(fine, texel_of(at.u), texel_of(at.v)), fine, weight_of(at.u), weight_of(at.v));
     const detail::upper_sums b = detail::four_points(detail::texel_at(coarse, texel_of(u), texel_of(v)), coarse, weight_of(u), weight_of(v));
@@ -228,5 +222,6 @@ inline void nearest_masked_run(uint16_t* out, int count, const walk& from, const
   }
 #endif
 }
+#endif
 
 }  // namespace spantex::rows

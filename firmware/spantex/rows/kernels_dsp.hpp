@@ -60,7 +60,7 @@ inline void nearest_masked_bent(uint16_t* out, int count, const walk& at, uint32
 #undef SPANTEX_MASK
 #undef SPANTEX_BEND
 
-inline constexpr int scratch_words = 6 * 16;  // between the two loops of a filter: 32 pixels of bilinear, 16 of trilinear
+inline constexpr int trilinear_words = 6, scratch_words = trilinear_words * 16;  // between the two loops of a filter: 32 pixels of bilinear, 16 of trilinear
 
 // clang-format off
 #define SPANTEX_STEP "add %[u], %[u], %[du]\n add %[v], %[v], %[dv]\n add %[du], %[du], %[ddu]\n add %[dv], %[dv], %[ddv]\n"

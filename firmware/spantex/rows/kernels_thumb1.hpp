@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Inner loops of kernels.hpp for cores with eight registers (Cortex-M0, M0+). Along straight rows the fractions of u and v are accumulators of 32 bits
-// whose carries step the texel's address: no position is shifted, no row multiplied by the pitch. Filters take two loops, with an address and two
-// fractions a pixel in memory between them; what is only added or copied lies in the upper registers.
+// Inner loops of kernels.hpp for cores with eight registers (Cortex-M0, M0+). The fractions of u and v are accumulators of 32 bits whose carries step the
+// texel's address: no position is shifted, no row multiplied by the pitch. Filters take two loops, with an address and two fractions a pixel in memory
+// between them; what is only added or copied lies in the upper registers.
 //
-//   instructions a pixel, loop included   nearest 7, bent rows 11.4 (masked 9.4, 11.4)
-//                                         places 6.2, bent rows 12.5   three-point 31   bilinear 51   trilinear 45 + 65
+//   instructions a pixel, loop included   nearest 6.5 to 7, bent rows 2 more (masked 9.4, 11.4)
+//                                         places 5.5 to 6, bent rows 2 more   three-point 31   bilinear 51   trilinear 105.5
 #pragma once
 #include <stdint.h>
 
@@ -14,27 +14,29 @@
 
 namespace spantex::rows::thumb1 {
 
-// A straight row: the texel's address / 2, the fractions behind it, 2^-32 texel, and their steps. `row`: texels from one row of the map to the next.
-struct carried {
-  uint32_t at, u, v, step, du, dv;
-  int32_t row;
-};
-// Of positions with `bits` of fraction.
-SPANTEX_WRAPS inline carried carried_of(const walk& w, const texel565* origin, int32_t pitch_bytes, int bits) {
-  const int32_t row = pitch_bytes >> 1;
-  const auto texels = [&](int32_t u, int32_t v) { return uint32_t(u >> bits) + uint32_t(v >> bits) * row; };
-  const auto fraction = [&](int32_t x) { return uint32_t(x) << (32 - bits); };
-  return {(uint32_t(reinterpret_cast<uintptr_t>(origin)) >> 1) + texels(w.u, w.v), fraction(w.u), fraction(w.v), texels(w.du, w.dv), fraction(w.du), fraction(w.dv), row};
+// Along a row: the texel's address / 2, the fractions behind it, 2^-32 texel, and their steps, whose whole parts are in the address's.
+struct carried { uint32_t at, u, v, step, du, dv; };
+// Of positions with `Bits` of fraction; `row`: texels from one row of the map to the next.
+template <int Bits>
+[[gnu::always_inline]] SPANTEX_WRAPS inline carried carried_of(const walk& w, const texel565* origin, int32_t row) {
+  const auto texels = [&](int32_t u, int32_t v) { return uint32_t(u >> Bits) + uint32_t(v >> Bits) * row; };
+  const auto fraction = [&](int32_t x) { return uint32_t(x) << (32 - Bits); };
+  return {(uint32_t(reinterpret_cast<uintptr_t>(origin)) >> 1) + texels(w.u, w.v), fraction(w.u), fraction(w.v), texels(w.du, w.dv), fraction(w.du), fraction(w.dv)};
+}
+constexpr bool is_straight(const walk& w) { return (w.ddu | w.ddv) == 0; }
+// Whether the whole parts of a bent row's steps stay what they are: then fractions alone change.
+template <int Bits>
+constexpr bool steps_alike(const walk& w, int count) {
+  const auto alike = [&](int32_t first, int32_t change) { return (first ^ (first + (count - 1) * change)) >> Bits == 0; };
+  return alike(w.du, w.ddu) && alike(w.dv, w.ddv);
 }
 
 // clang-format off
 #define SPANTEX_STEP "adds %[u], %[u], %[du]\n adcs %[a], %[a], %[step]\n adds %[v], %[v], %[dv]\n bcc.n 2f\n add %[a], %[row]\n 2:\n"
-#define SPANTEX_STRAIGHT(OFFSET, BEND) "ldrh %[t], [%[a], %[a]]\n strh %[t], [%[out], #" OFFSET "]\n" SPANTEX_STEP
-#define SPANTEX_PIXEL(OFFSET, BEND) "asrs %[t], %[u], #16\n adds %[t], %[t], %[t]\n asrs %[s], %[v], #16\n muls %[s], %[pitch], %[s]\n adds %[t], %[t], %[s]\n" \
-                                    "add %[u], %[du]\n add %[v], %[dv]\n ldrh %[t], [%[base], %[t]]\n strh %[t], [%[out], #" OFFSET "]\n" BEND
+#define SPANTEX_BEND "add %[du], %[ddu]\n add %[dv], %[ddv]\n"
+#define SPANTEX_TEXEL(OFFSET, STEP) "ldrh %[t], [%[a], %[a]]\n strh %[t], [%[out], #" OFFSET "]\n" STEP
 #define SPANTEX_MASKED(OFFSET, BEND) "lsrs %[t], %[u], #15\n ands %[t], %[mu]\n lsrs %[s], %[v], #15\n ands %[s], %[mv]\n adds %[t], %[t], %[s]\n" \
                                      "add %[u], %[du]\n add %[v], %[dv]\n ldrh %[t], [%[base], %[t]]\n strh %[t], [%[out], #" OFFSET "]\n" BEND
-#define SPANTEX_BEND "add %[du], %[ddu]\n add %[dv], %[ddv]\n"
 // Entered by a jump over `t` bytes, so that a multiple of eight pixels is left; `out` is as many pixels before the first. BYTES: of a pixel's code, which is checked.
 #define SPANTEX_LOOP(PIXEL, BEND) ".syntax unified\n add pc, %[t]\n nop\n 1:\n" PIXEL("0", BEND) PIXEL("2", BEND) PIXEL("4", BEND) PIXEL("6", BEND) \
                                   PIXEL("8", BEND) PIXEL("10", BEND) PIXEL("12", BEND) PIXEL("14", BEND) SPANTEX_PIXELS_ARE("1b", "8 * %c[bytes]") \
@@ -43,25 +45,28 @@ SPANTEX_WRAPS inline carried carried_of(const walk& w, const texel565* origin, i
 // clang-format on
 
 // count > 0. origin: the texel at (0, 0).
-inline void nearest(uint16_t* to, int count, walk at, const texel565* origin, int32_t pitch_bytes) {
+SPANTEX_WRAPS inline void nearest(uint16_t* to, int count, walk at, const texel565* origin, int32_t pitch_bytes) {
+  const int32_t row = pitch_bytes >> 1;
   const uint32_t skipped = -uint32_t(count) & 7;
   uint16_t *out = to - skipped, *const end = to + count;
-  uint32_t s;
-  if ((at.ddu | at.ddv) == 0) {
-    carried c = carried_of(at, origin, pitch_bytes, 16);
+  if (is_straight(at)) {
+    carried c = carried_of<16>(at, origin, row);
     constexpr uint32_t bytes = 14;
     uint32_t t = skipped * bytes;
-    asm volatile(SPANTEX_LOOP(SPANTEX_STRAIGHT, "")
+    asm volatile(SPANTEX_LOOP(SPANTEX_TEXEL, SPANTEX_STEP)
                  : [out] "+&l"(out), [a] "+&l"(c.at), [u] "+&l"(c.u), [v] "+&l"(c.v), [t] "+&l"(t)
-                 : [step] "l"(c.step), [du] "l"(c.du), [dv] "l"(c.dv), [row] "h"(c.row), [end] "h"(end), [bytes] "i"(bytes)
+                 : [step] "l"(c.step), [du] "l"(c.du), [dv] "l"(c.dv), [row] "h"(row), [end] "h"(end), [bytes] "i"(bytes)
+                 : "memory", "cc");
+  } else if (steps_alike<16>(at, count)) {
+    carried c = carried_of<16>(at, origin, row);
+    constexpr uint32_t bytes = 18;
+    uint32_t t = skipped * bytes;
+    asm volatile(SPANTEX_LOOP(SPANTEX_TEXEL, SPANTEX_STEP SPANTEX_BEND)
+                 : [out] "+&l"(out), [a] "+&l"(c.at), [u] "+&l"(c.u), [v] "+&l"(c.v), [t] "+&l"(t), [du] "+&l"(c.du), [dv] "+&l"(c.dv)
+                 : [step] "l"(c.step), [ddu] "h"(uint32_t(at.ddu) << 16), [ddv] "h"(uint32_t(at.ddv) << 16), [row] "h"(row), [end] "h"(end), [bytes] "i"(bytes)
                  : "memory", "cc");
   } else {
-    constexpr uint32_t bytes = 22;
-    uint32_t t = skipped * bytes;
-    asm volatile(SPANTEX_LOOP(SPANTEX_PIXEL, SPANTEX_BEND)
-                 : [out] "+&l"(out), [u] "+&l"(at.u), [v] "+&l"(at.v), [t] "+&l"(t), [s] "=&l"(s), [du] "+&h"(at.du), [dv] "+&h"(at.dv)
-                 : [base] "l"(origin), [pitch] "l"(pitch_bytes), [ddu] "h"(at.ddu), [ddv] "h"(at.ddv), [end] "h"(end), [bytes] "i"(bytes)
-                 : "memory", "cc");
+    for (; to != end; at.step()) *to++ = origin[texel_of(at.u) + texel_of(at.v) * row];
   }
 }
 
@@ -88,86 +93,63 @@ SPANTEX_WRAPS inline void nearest_masked(uint16_t* to, int count, walk at, const
   }
 }
 
-#undef SPANTEX_STRAIGHT
-#undef SPANTEX_PIXEL
+#undef SPANTEX_TEXEL
 #undef SPANTEX_MASKED
 #undef SPANTEX_LOOP
 
-// Three words a pixel: a texel's address / 2, fractions of u and v, 2^-32 texel. Four pixels at a time, the last ones in vain.
-inline constexpr int pixel_words = 3, coarse_pixels_at_once = 16, scratch_words = pixel_words * (32 + coarse_pixels_at_once);
+// A pixel's place: the texel's address / 2, fractions of u and v, 2^-32 texel. `Words` from each to the next: two levels have theirs in turns. Four at a time,
+// the last ones in vain.
+inline constexpr int place_words = 3, trilinear_words = 2 * place_words, scratch_words = trilinear_words * longest_run;
 
 // clang-format off
-#define SPANTEX_PLACE "stmia %[to]!, {%[a], %[u], %[v]}\n" SPANTEX_STEP
-#define SPANTEX_BENT_PLACE "asrs r4, %[v], %[bits]\n muls r4, %[row], r4\n asrs r5, %[u], %[bits]\n adds r4, r4, r5\n adds r4, r4, %[base]\n lsls r5, %[u], %[rest]\n lsls r6, %[v], %[rest]\n" \
-                           "stmia %[to]!, {r4, r5, r6}\n add %[u], %[du]\n add %[v], %[dv]\n" SPANTEX_BEND
-#define SPANTEX_4_PLACES(PLACE) ".syntax unified\n 1:\n" PLACE PLACE PLACE PLACE "cmp %[to], %[end]\n bne 1b\n"
+#define SPANTEX_PLACE(STEP) "stmia %[to]!, {%[a], %[u], %[v]}\n .if %c[gap]\n adds %[to], %[gap]\n .endif\n" STEP
+#define SPANTEX_PLACES(STEP) ".syntax unified\n 1:\n" SPANTEX_PLACE(STEP) SPANTEX_PLACE(STEP) SPANTEX_PLACE(STEP) SPANTEX_PLACE(STEP) "subs %[n], #4\n bgt 1b\n"
 // clang-format on
 
-// Places of `count` pixels. What they are counted from is then at the next pixel if `count` is a multiple of four.
-[[gnu::always_inline]] inline void places(uint32_t* to, int count, carried& c) {
-  const uint32_t* const end = to + pixel_words * ((count + 3) & ~3);
+// count > 0. weight: in the lowest byte of v, below what the fraction fills.
+template <int Bits, int Words>
+[[gnu::always_inline]] SPANTEX_WRAPS inline void straight_places(uint32_t* to, int count, const walk& from, const texel565* origin, int32_t row, uint32_t weight) {
+  const carried c = carried_of<Bits>(from, origin, row);
+  register uint32_t a asm("r4") = c.at;
+  register uint32_t u asm("r5") = c.u;
+  register uint32_t v asm("r6") = c.v | weight;
+  asm volatile(SPANTEX_PLACES(SPANTEX_STEP)
+               : [to] "+&l"(to), [n] "+&l"(count), [a] "+&l"(a), [u] "+&l"(u), [v] "+&l"(v)
+               : [step] "l"(c.step), [du] "l"(c.du), [dv] "l"(c.dv), [row] "h"(row), [gap] "i"(4 * (Words - place_words))
+               : "memory", "cc");
+}
+
+template <int Bits, int Words>
+[[gnu::always_inline]] SPANTEX_WRAPS inline void bent_places(uint32_t* to, int count, const walk& from, const texel565* origin, int32_t row) {
+  if (!steps_alike<Bits>(from, count)) {
+    for (walk at = from; count > 0; --count, at.step(), to += Words) {
+      const carried c = carried_of<Bits>(at, origin, row);
+      to[0] = c.at;
+      to[1] = c.u;
+      to[2] = c.v;
+    }
+    return;
+  }
+  carried c = carried_of<Bits>(from, origin, row);
   register uint32_t a asm("r4") = c.at;
   register uint32_t u asm("r5") = c.u;
   register uint32_t v asm("r6") = c.v;
-  asm volatile(SPANTEX_4_PLACES(SPANTEX_PLACE)
-               : [to] "+&l"(to), [a] "+&l"(a), [u] "+&l"(u), [v] "+&l"(v)
-               : [step] "l"(c.step), [du] "l"(c.du), [dv] "l"(c.dv), [row] "h"(c.row), [end] "h"(end)
+  asm volatile(SPANTEX_PLACES(SPANTEX_STEP SPANTEX_BEND)
+               : [to] "+&l"(to), [n] "+&l"(count), [a] "+&l"(a), [u] "+&l"(u), [v] "+&l"(v), [du] "+&l"(c.du), [dv] "+&l"(c.dv)
+               : [step] "l"(c.step), [ddu] "h"(uint32_t(from.ddu) << (32 - Bits)), [ddv] "h"(uint32_t(from.ddv) << (32 - Bits)), [row] "h"(row),
+                 [gap] "i"(4 * (Words - place_words))
                : "memory", "cc");
-  c.at = a;
-  c.u = u;
-  c.v = v;
 }
 
-template <int Bits>
-[[gnu::always_inline]] inline void bent_places(uint32_t* to, int count, walk& at, const texel565* origin, int32_t pitch_bytes) {
-  const uint32_t* const end = to + pixel_words * ((count + 3) & ~3);
-  asm volatile(SPANTEX_4_PLACES(SPANTEX_BENT_PLACE)
-               : [to] "+&l"(to), [u] "+&l"(at.u), [v] "+&l"(at.v), [du] "+&h"(at.du), [dv] "+&h"(at.dv)
-               : [ddu] "h"(at.ddu), [ddv] "h"(at.ddv), [row] "l"(pitch_bytes >> 1), [base] "l"(uint32_t(reinterpret_cast<uintptr_t>(origin)) >> 1), [end] "h"(end),
-                 [bits] "i"(Bits), [rest] "i"(32 - Bits)
-               : "r4", "r5", "r6", "memory", "cc");
+// Of one level.
+[[gnu::always_inline]] inline void places(uint32_t* to, int count, const walk& from, const source& s) {
+  if (is_straight(from)) straight_places<16, place_words>(to, count, from, s.origin, s.pitch_bytes >> 1, 0);
+  else bent_places<16, place_words>(to, count, from, s.origin, s.pitch_bytes >> 1);
 }
-
-[[gnu::always_inline]] inline void places(uint32_t* to, int count, const walk& from, const texel565* origin, int32_t pitch_bytes) {
-  if ((from.ddu | from.ddv) == 0) {
-    carried c = carried_of(from, origin, pitch_bytes, 16);
-    places(to, count, c);
-  } else {
-    walk at = from;
-    bent_places<16>(to, count, at, origin, pitch_bytes);
-  }
-}
-
-// Places on one of two levels with its weight, first + sign f, in the lowest byte of v, below what the fraction fills; f: fraction of the level of detail.
-template <int Bits>
-struct weighted_places {
-  walk at;
-  level_run level;
-  const texel565* origin;
-  int32_t pitch_bytes;
-  uint32_t first, sign;
-  bool straight;
-  carried straight_at{};
-
-  [[gnu::always_inline]] weighted_places(const walk& from, const level_run& along, const texel565* map, int32_t pitch, uint32_t first_weight, uint32_t weight_sign)
-      : at(from), level(along), origin(map), pitch_bytes(pitch), first(first_weight), sign(weight_sign), straight((from.ddu | from.ddv | along.step) == 0) {
-    if (!straight) return;
-    straight_at = carried_of(from, map, pitch, Bits);
-    straight_at.v |= weight_at(along.start);
-  }
-  [[gnu::always_inline]] uint32_t weight_at(int32_t x) const { return first + sign * fraction_of(x); }
-  // Of the next pixels; `count` is a multiple of four but for the last of them.
-  [[gnu::always_inline]] void next(uint32_t* to, int count) {
-    if (straight) return places(to, count, straight_at);
-    bent_places<Bits>(to, count, at, origin, pitch_bytes);
-    for (; count > 0; --count, to += pixel_words, level.start += level.step) to[2] |= weight_at(level.start);
-  }
-};
 #undef SPANTEX_STEP
 #undef SPANTEX_BEND
 #undef SPANTEX_PLACE
-#undef SPANTEX_BENT_PLACE
-#undef SPANTEX_4_PLACES
+#undef SPANTEX_PLACES
 
 inline constexpr uint32_t twice = 0x10001;  // a texel times this and spread_mask is spread()
 
@@ -186,8 +168,7 @@ inline constexpr uint32_t twice = 0x10001;  // a texel times this and spread_mas
 #define SPANTEX_RIGHT(N, OFFSET) "2" N ":\n" SPANTEX_READ "ldrh %[x], [r4]\n cmp r6, r5\n bge.n 3" N "b\n 4" N ":\n" \
                       "ldrh %[s], [r4, #2]\n add r4, %[pitch]\n ldrh r4, [r4, #2]\n" SPANTEX_TAIL("r5", "r6", OFFSET)
 // Entered by a jump over `s` pixels, so that a multiple of the loop's is left; `out` is that many before the first.
-#define SPANTEX_ENTER_WITH(FIRST, BYTES) ".syntax unified\n movs %[x], #" BYTES "\n muls %[x], %[s], %[x]\n" FIRST "add pc, %[x]\n nop\n 8:\n"
-#define SPANTEX_ENTER(BYTES) SPANTEX_ENTER_WITH("", BYTES)
+#define SPANTEX_ENTER(BYTES) ".syntax unified\n movs %[x], #" BYTES "\n muls %[x], %[s], %[x]\n add pc, %[x]\n nop\n 8:\n"
 // clang-format on
 
 // count > 0
@@ -241,52 +222,86 @@ inline constexpr uint32_t twice = 0x10001;  // a texel times this and spread_mas
       : "r4", "r5", "r6", "memory", "cc");
 }
 
-// Two levels: sums of two rows with weights (32 - fv) w and fv w of 9 bits, w the level's. P = 2^10 G + R, G, and T modulo 2^32.
+// Two levels, whose places take turns, fine first. Sums of a level's two rows with weights (32 - fv) w and fv w of 9 bits, w the level's, lie in the upper
+// registers until the other level's are added: G, P = 2^10 G + R, and T = 2^11 P + B modulo 2^32.
 // clang-format off
-#define SPANTEX_ROW(X, Y) SPANTEX_SPREAD(X, "%[s]") SPANTEX_SPREAD(Y, "%[s]") "subs " Y ", " Y ", " X "\n muls " Y ", r5, " Y "\n lsls " X ", " X ", #5\n adds " X ", " X ", " Y "\n"
-#define SPANTEX_LEVEL \
-  "ldr %[mask], %[spread]\n ldmia %[from]!, {r4, r5, r6}\n lsls r4, r4, #1\n lsrs r5, r5, #27\n" \
+#define SPANTEX_ROW(X, Y) SPANTEX_SPREAD(X, "%[twice]") SPANTEX_SPREAD(Y, "%[twice]") "subs " Y ", " Y ", " X "\n muls " Y ", r5, " Y "\n lsls " X ", " X ", #5\n adds " X ", " X ", " Y "\n"
+#define SPANTEX_LEVEL(PITCH) \
+  "ldmia %[from]!, {r4, r5, r6}\n lsls r4, r4, #1\n lsrs r5, r5, #27\n" \
   "ldrh %[x], [r4]\n ldrh %[y], [r4, #2]\n" SPANTEX_ROW("%[x]", "%[y]") \
-  "add r4, %[pitch]\n ldrh %[y], [r4]\n ldrh r4, [r4, #2]\n" SPANTEX_ROW("%[y]", "r4") \
-  "uxtb r4, r6\n lsrs r6, r6, #27\n muls r6, r4, r6\n lsls r4, r4, #5\n subs %[mask], r4, r6\n" \
-  "lsrs r4, %[x], #21\n lsrs r5, %[y], #21\n muls r4, %[mask], r4\n muls r5, r6, r5\n adds r5, r5, r4\n" \
-  "lsrs r4, %[x], #11\n muls r4, %[mask], r4\n muls %[x], %[mask], %[x]\n lsrs %[mask], %[y], #11\n muls %[mask], r6, %[mask]\n adds r4, r4, %[mask]\n" \
-  "muls %[y], r6, %[y]\n adds r6, %[x], %[y]\n"
-#define SPANTEX_FINE SPANTEX_LEVEL "subs %[from], %[from], #12\n stmia %[from]!, {r4, r5, r6}\n"
-#define SPANTEX_COARSE(OFFSET) "ldr %[s], %[two]\n" SPANTEX_LEVEL \
-  "mov %[mask], %[fine]\n ldmia %[mask]!, {%[x], %[y], %[s]}\n mov %[fine], %[mask]\n adds r4, r4, %[x]\n adds r5, r5, %[y]\n adds r6, r6, %[s]\n" \
-  "lsls %[x], r4, #11\n subs r6, r6, %[x]\n lsls %[x], r5, #10\n subs r4, r4, %[x]\n"  /* B and R alone */ \
-  "add r4, %[half]\n lsrs r4, r4, #14\n lsls r4, r4, #6\n lsrs r5, r5, #14\n adcs r4, r4, r5\n lsls r4, r4, #5\n lsrs r6, r6, #14\n adcs r4, r4, r6\n" \
-  "mov %[x], %[out]\n strh r4, [%[x], #" OFFSET "]\n"
+  "add r4, " PITCH "\n ldrh %[y], [r4]\n ldrh r4, [r4, #2]\n" SPANTEX_ROW("%[y]", "r4") \
+  "uxtb r4, r6\n lsrs r6, r6, #27\n muls r6, r4, r6\n lsls r4, r4, #5\n subs r4, r4, r6\n"
+#define SPANTEX_FINE SPANTEX_LEVEL("%[near]") \
+  "lsrs r5, %[x], #21\n muls r5, r4, r5\n mov %[g], r5\n lsrs r5, %[y], #21\n muls r5, r6, r5\n add %[g], r5\n" \
+  "lsrs r5, %[x], #11\n muls r5, r4, r5\n mov %[p], r5\n lsrs r5, %[y], #11\n muls r5, r6, r5\n add %[p], r5\n" \
+  "muls %[x], r4, %[x]\n mov lr, %[x]\n muls %[y], r6, %[y]\n add lr, %[y]\n"
+#define SPANTEX_COARSE(OFFSET) SPANTEX_LEVEL("%[far]") \
+  "lsrs r5, %[x], #21\n muls r5, r4, r5\n add %[g], r5\n lsrs r5, %[x], #11\n muls r5, r4, r5\n add %[p], r5\n muls %[x], r4, %[x]\n add lr, %[x]\n" \
+  "lsrs %[x], %[y], #11\n muls %[x], r6, %[x]\n add %[x], %[p]\n lsrs r4, %[y], #21\n muls r4, r6, r4\n add r4, %[g]\n muls %[y], r6, %[y]\n add %[y], lr\n" \
+  "lsls r6, %[x], #11\n subs %[y], %[y], r6\n lsls r6, r4, #10\n subs %[x], %[x], r6\n"  /* R, G, B; red is rounded by a difference modulo 2^5 */ \
+  "lsrs %[x], %[x], #14\n sbcs %[x], %[x], %[mask]\n lsls %[x], %[x], #6\n lsrs r4, r4, #14\n adcs %[x], %[x], r4\n lsls %[x], %[x], #5\n lsrs %[y], %[y], #14\n adcs %[x], %[x], %[y]\n" \
+  "mov %[y], %[out]\n strh %[x], [%[y], #" OFFSET "]\n"
 // clang-format on
 
-// The finer level's places become its sums. count > 0
-[[gnu::always_inline]] inline void fine_sums(uint32_t* from, int count, int32_t pitch_bytes) {
-  uint32_t s = -uint32_t(count) & 3, x, y, mask;
-  const uint32_t two = twice, spread = spread_mask, *const end = from + pixel_words * count;
-  asm volatile(SPANTEX_ENTER_WITH("ldr %[s], %[two]\n", "90") SPANTEX_FINE SPANTEX_FINE SPANTEX_FINE SPANTEX_FINE SPANTEX_PIXELS_ARE("8b", "4 * 90") "cmp %[from], %[end]\n beq 9f\n b 8b\n 9:\n"
-               : [from] "+&l"(from), [s] "+&l"(s), [x] "=&l"(x), [y] "=&l"(y), [mask] "=&l"(mask)
-               : [two] "m"(two), [spread] "m"(spread), [pitch] "h"(pitch_bytes), [end] "h"(end)
-               : "r4", "r5", "r6", "memory", "cc");
+// The place of texels that are copied, with a pitch of 4 bytes: where the next ones go.
+inline uint32_t* place_copied(uint32_t* to, const texels& t, uint32_t* copies, uint32_t u, uint32_t v) {
+  copies[0] = t.t00 | t.t10 << 16;
+  copies[1] = t.t01 | t.t11 << 16;
+  to[0] = uint32_t(reinterpret_cast<uintptr_t>(copies)) >> 1;
+  to[1] = u;
+  to[2] = v;
+  return copies + 2;
 }
 
-// The coarser level's places and the finer one's sums become pixels. count > 0
-[[gnu::always_inline]] inline void coarse_pixels(uint16_t* to, const uint32_t* fine, const uint32_t* from, int count, int32_t pitch_bytes) {
-  register uint32_t x asm("r0");
-  register uint32_t y asm("r1");
-  register uint32_t s asm("r2") = -uint32_t(count) & 3;
-  uint32_t mask;
-  const uint32_t two = twice, spread = spread_mask;
+// Weights of both levels where they change along a row.
+SPANTEX_WRAPS inline void weigh(uint32_t* places_of_two, int count, const level_run& along) {
+  uint8_t* to = reinterpret_cast<uint8_t*>(places_of_two);
+  uint32_t level = uint32_t(along.start) << 16;  // the fraction
+  const uint32_t step = uint32_t(along.step) << 16;
+  for (const uint8_t* const end = to + 4 * trilinear_words * count; to != end; to += 4 * trilinear_words, level += step) {
+    const uint32_t f = level >> (32 - blend_bits);
+    to[8] = uint8_t((1u << blend_bits) - f);
+    to[4 * place_words + 8] = uint8_t(f);
+  }
+}
+
+// Positions of the coarser level follow from the finer one's: (fine + snap) / 2, here with a bit more of fraction.
+constexpr walk coarser(const walk& w) { return {w.u + snap, w.v + snap, w.du, w.dv, w.ddu, w.ddv}; }
+
+[[gnu::noinline]] SPANTEX_WRAPS inline void bent_places_of_two(uint32_t* to, int count, const walk& from, const source& fine, const source& coarse, const level_run& along) {
+  bent_places<16, trilinear_words>(to, count, from, fine.origin, fine.pitch_bytes >> 1);
+  bent_places<17, trilinear_words>(to + place_words, count, coarser(from), coarse.origin, coarse.pitch_bytes >> 1);
+  weigh(to, count, along);
+}
+[[gnu::always_inline]] SPANTEX_WRAPS inline void places_of_two(uint32_t* to, int count, const walk& from, const source& fine, const source& coarse, const level_run& along) {
+  if ((from.ddu | from.ddv | along.step) != 0) return bent_places_of_two(to, count, from, fine, coarse, along);
+  const uint32_t f = fraction_of(along.start);
+  straight_places<16, trilinear_words>(to, count, from, fine.origin, fine.pitch_bytes >> 1, (1u << blend_bits) - f);
+  straight_places<17, trilinear_words>(to + place_words, count, coarser(from), coarse.origin, coarse.pitch_bytes >> 1, f);
+}
+
+// count > 0
+[[gnu::always_inline]] inline void eight_points(uint16_t* to, const uint32_t* from, int count, int32_t fine_pitch_bytes, int32_t coarse_pitch_bytes) {
+  constexpr uint32_t bytes = 208;
+  const uint32_t skipped = -uint32_t(count) & 7;
+  uint32_t x = bytes * skipped, y, g, p;
   const uint16_t* const end = to + count;
-  uint16_t* out = to - s;
+  uint16_t* out = to - skipped;
   asm volatile(
-      SPANTEX_ENTER("128")
-      SPANTEX_COARSE("0") SPANTEX_COARSE("2") SPANTEX_COARSE("4") SPANTEX_COARSE("6") SPANTEX_PIXELS_ARE("8b", "4 * 128")
-      "adds %[x], %[x], #8\n mov %[out], %[x]\n cmp %[x], %[end]\n beq 9f\n b 8b\n"
+      ".syntax unified\n add pc, %[x]\n nop\n 8:\n"
+      SPANTEX_FINE SPANTEX_COARSE("0") SPANTEX_FINE SPANTEX_COARSE("2") SPANTEX_FINE SPANTEX_COARSE("4") SPANTEX_FINE SPANTEX_COARSE("6")
+      SPANTEX_FINE SPANTEX_COARSE("8") SPANTEX_FINE SPANTEX_COARSE("10") SPANTEX_FINE SPANTEX_COARSE("12") SPANTEX_FINE SPANTEX_COARSE("14") SPANTEX_PIXELS_ARE("8b", "8 * %c[bytes]")
+      "adds %[y], %[y], #16\n mov %[out], %[y]\n ldr %[x], %[end]\n cmp %[y], %[x]\n beq 9f\n b 8b\n"
       "9:\n"
-      : [out] "+&h"(out), [fine] "+&h"(fine), [from] "+&l"(from), [s] "+&l"(s), [x] "=&l"(x), [y] "=&l"(y), [mask] "=&l"(mask)
-      : [two] "m"(two), [spread] "m"(spread), [half] "h"(1u << 13), [pitch] "h"(pitch_bytes), [end] "h"(end)
-      : "r4", "r5", "r6", "memory", "cc");
+      : [out] "+&h"(out), [from] "+&l"(from), [x] "+&l"(x), [y] "=&l"(y), [g] "=&h"(g), [p] "=&h"(p)
+      : [twice] "l"(twice), [mask] "l"(spread_mask), [near] "h"(fine_pitch_bytes), [far] "h"(coarse_pitch_bytes), [end] "m"(end), [bytes] "i"(bytes)
+      : "r4", "r5", "r6", "lr", "memory", "cc");  // gcc gives lr to no operand
+}
+
+// Of a row, or of places that are there already.
+[[gnu::noinline]] inline void trilinear(uint16_t* to, int count, const walk* from, const source& fine, const source& coarse, const level_run& along, uint32_t* words) {
+  if (from != nullptr) places_of_two(words, count, *from, fine, coarse, along);
+  eight_points(to, words, count, fine.pitch_bytes, coarse.pitch_bytes);
 }
 
 #undef SPANTEX_FINE
@@ -296,7 +311,6 @@ inline constexpr uint32_t twice = 0x10001;  // a texel times this and spread_mas
 #undef SPANTEX_READ
 #undef SPANTEX_NEXT
 #undef SPANTEX_ENTER
-#undef SPANTEX_ENTER_WITH
 #undef SPANTEX_PIXELS_ARE
 #undef SPANTEX_ROW
 #undef SPANTEX_CHANNEL

@@ -229,7 +229,8 @@ constexpr int32_t level_rounding(filter kind) { return kind == filter::mip_bilin
 // Whole levels of rows [from, to) of a block, -1 where the map is magnified: linear, so extremes are at corners.
 SPANTEX_FRAME_APART constexpr interval levels_of(const block& b, int from, int to, int32_t rounding, int last_level) {
   const int last = (1 << b.k) - 1;
-  const level_run top = level_row_at(b, from), bottom = level_row_at(b, to - 1);
+  const level_rows rows = level_rows_of(b);
+  const level_run top = rows.row(from), bottom = rows.row(to - 1);
   const int32_t corners[] = {top.start, top.start + last * top.step, bottom.start, bottom.start + last * bottom.step};
   interval x{corners[0], corners[0]};
   for (int32_t c : corners) x = {c < x.low ? c : x.low, c > x.high ? c : x.high};
@@ -294,7 +295,7 @@ SPANTEX_FRAME_APART constexpr void box_of_rows(const walk& top, const walk& bott
 
 inline namespace SPANTEX_ROWS_KERNELS {
 
-// One surface being drawn. Its memory is the caller's: `state`, 624 bytes on a core of 32 bits, 1192 with what DSP kernels or those of Cortex-M0+ work in.
+// One surface being drawn. Its memory is the caller's: `state`, 624 bytes on a core of 32 bits, 1192 with what DSP kernels work in, 1392 with those of Cortex-M0+.
 struct state {
   level_view fine, coarse;        // what runs need comes first: Cortex-M0+ reaches 31 words from an address
   level_walk at;
@@ -313,6 +314,12 @@ struct state {
 
 }  // namespace SPANTEX_ROWS_KERNELS
 
+// Between the state's levels. Where the fraction is 0 all along, the finer level alone is drawn: the same pixels.
+inline void run_between(uint16_t* out, int count, const walk& at, state& s) {
+  if (s.level.step == 0 && fraction_of(s.level.start) == 0) run<filter::bilinear>(out, count, at, s.near, s.between);
+  else trilinear_run(out, count, at, s.near, s.far, s.level, s.between);
+}
+
 namespace detail {
 
 // As run_within(), in one copy of each of two levels; that copy and where to read are the state's. -1 if there is none.
@@ -327,6 +334,7 @@ SPANTEX_FRAME_APART inline int run_within_both(state& s, int count) {
 
 }  // namespace detail
 
+// Filters of two levels.
 SPANTEX_FRAME_APART inline uint16_t pixel_between(const level_view& fine, const level_view& coarse, const level_walk& w, int32_t level) {
   const int32_t u = detail::coarser(w.at.u), v = detail::coarser(w.at.v);
   const int32_t x = w.base_u + texel_of(w.at.u), y = w.base_v + texel_of(w.at.v), coarse_x = (w.base_u >> 1) + texel_of(u), coarse_y = (w.base_v >> 1) + texel_of(v);
@@ -344,24 +352,87 @@ SPANTEX_FRAME_APART inline uint16_t pixel_between(const level_view& fine, const 
   return detail::pixel_between(detail::four_points(a, weight_of(w.at.u), weight_of(w.at.v)), detail::four_points(b, weight_of(u), weight_of(v)), fraction_of(level));
 }
 
-// Between the state's levels, from where it is. Pixels beside the copy of the run before need no search: they are read texel by texel.
+namespace detail {
+
+// Pixels from where the walk is until it leaves the seam beside a copy; the first is there.
+SPANTEX_FRAME_APART constexpr int seam_length(const walk& from, const copy& c, int count) {
+  walk w = from;
+  int n = 1;
+  for (w.step(); n < count && is_beside(w, c); w.step()) ++n;
+  return n;
+}
+
+constexpr void go_on_between(state& s, int n) {
+  go_on(s.at.at, n);
+  s.level.start += n * s.level.step;
+}
+
+// draw_seam(): the state's next pixels between its levels, at most longest_seam, read texel by texel.
+#if SPANTEX_ROWS_THUMB1
+
+// Places of pixels on one of two levels, whose texels, wherever they lie, are copied. Positions have `Bits` of fraction.
+template <int Bits>
+[[gnu::noinline]] SPANTEX_WRAPS inline void place_copies(uint32_t* to, uint32_t* copies, int count, const walk& from, const level_view& t, int32_t base_u, int32_t base_v, uint32_t weight) {
+  const uint32_t* const end = to + thumb1::trilinear_words * count;
+  if (t.masked && thumb1::is_straight(from)) {
+    const uint32_t pitch = 2 * t.width, across = pitch - 2, down = t.height - 1, du = from.du, dv = from.dv;
+    const uint8_t* const map = reinterpret_cast<const uint8_t*>(t.texels);
+    uint32_t u = from.u + (base_u << Bits), v = from.v + (base_v << Bits);
+    const auto texel = [](const uint8_t* row, uint32_t x) { return uint32_t(*reinterpret_cast<const texel565*>(row + x)); };
+    for (; to != end; to += thumb1::trilinear_words, u += du, v += dv) {
+      const uint32_t x = u >> (Bits - 1), y = v >> Bits, left = x & across, right = (x + 2) & across;
+      const uint8_t *const top = map + (y & down) * pitch, *const bottom = map + ((y + 1) & down) * pitch;
+      copies = thumb1::place_copied(to, {texel(top, left), texel(top, right), texel(bottom, left), texel(bottom, right)}, copies, u << (32 - Bits), v << (32 - Bits) | weight);
+    }
+    return;
+  }
+  for (walk at = from; to != end; to += thumb1::trilinear_words, at.step())
+    copies = thumb1::place_copied(to, wrapped_texels(t, base_u + (at.u >> Bits), base_v + (at.v >> Bits)), copies, uint32_t(at.u) << (32 - Bits), uint32_t(at.v) << (32 - Bits) | weight);
+}
+
+inline constexpr int longest_seam = 16;
+SPANTEX_FRAME_APART inline void draw_seam(uint16_t* out, int count, state& s) {
+  uint32_t *const to = s.between.words, *const copies = to + thumb1::trilinear_words * longest_seam;
+  const level_walk& w = s.at;
+  const bool changes = s.level.step != 0;
+  const uint32_t f = fraction_of(s.level.start);
+  place_copies<16>(to, copies, count, w.at, s.fine, w.base_u, w.base_v, changes ? 0 : (1u << blend_bits) - f);
+  place_copies<17>(to + thumb1::place_words, copies + 2 * longest_seam, count, thumb1::coarser(w.at), s.coarse, w.base_u >> 1, w.base_v >> 1, changes ? 0 : f);
+  if (changes) thumb1::weigh(to, count, s.level);
+  thumb1::trilinear(out, count, nullptr, {nullptr, 4}, {nullptr, 4}, s.level, to);
+  go_on_between(s, count);
+}
+
+#else
+
+inline constexpr int longest_seam = longest_run;
+SPANTEX_FRAME_MERGED inline void draw_seam(uint16_t* out, int count, state& s) {
+  for (; count > 0; --count) {
+    *out++ = pixel_between(s.fine, s.coarse, s.at, s.level.start);
+    s.at.at.step();
+    s.level.start += s.level.step;
+  }
+}
+
+#endif
+
+}  // namespace detail
+
+// Between the state's levels, from where it is. Pixels beside the copy of the run before need no search.
 [[gnu::noinline]] inline void draw_between(uint16_t* out, int count, state& s) {
-  while (count > 0) {
-    const int n = detail::run_within_both(s, count);
+  for (bool known = false; count > 0;) {
+    int n = known && detail::is_beside(s.at.at, s.within) ? 0 : detail::run_within_both(s, count);
+    known = n >= 0;
     if (n > 0) {
-      trilinear_run(out, n, s.at.at, s.near, s.far, s.level, s.between);
-      count -= n;
-      if (count == 0) return;
-      out += n;
-      detail::go_on(s.at.at, n);
-      s.level.start += n * s.level.step;
+      run_between(out, n, s.at.at, s);
+      if (n == count) return;
+      detail::go_on_between(s, n);
+    } else {
+      n = known ? detail::seam_length(s.at.at, s.within, min_of(count, detail::longest_seam)) : 1;
+      detail::draw_seam(out, n, s);
     }
-    for (bool alone = n <= 0; count > 0 && (alone || (n >= 0 && detail::is_beside(s.at.at, s.within))); alone = false) {
-      *out++ = pixel_between(s.fine, s.coarse, s.at, s.level.start);
-      --count;
-      s.at.at.step();
-      s.level.start += s.level.step;
-    }
+    out += n;
+    count -= n;
   }
 }
 
@@ -372,7 +443,7 @@ template <filter Kind>
 [[gnu::noinline]] inline level_part begin_part(const texture_view& t, int j, int first, int end, state& s) {
   block& b = s.coordinates;
   level_walk& w = s.at;
-  level_run level = level_row_at(b, j);
+  level_run level = level_rows_of(b).row(j);
   level.start += detail::level_rounding(Kind);
   const auto whole_level = [&](int i) { return clamp_to((level.start + i * level.step) >> 16, -1, t.last_level()); };
   int n = end - first;
