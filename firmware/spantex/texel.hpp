@@ -24,6 +24,7 @@
 #pragma once
 #include <stdint.h>
 
+#include <spantex/bits.hpp>
 #include <spantex/span.hpp>
 
 namespace spantex {
@@ -92,8 +93,7 @@ constexpr uint8_t widened(uint32_t x, int n) {
 
 // 8 bits to n, to nearest (halves cannot occur: 255 is odd).
 constexpr uint32_t narrowed_colour(uint8_t x, int n) {
-  const uint32_t most = (1u << n) - 1;
-  return (2 * x * most + 255) / 510;
+  return over_255(x * ((1u << n) - 1));
 }
 
 constexpr int32_t squared_difference(int32_t a, int32_t b) { return (a - b) * (a - b); }
