@@ -52,7 +52,7 @@ def script_case(script, build):
 
 
 def programs(folder):
-    return [p for p in sorted(folder.iterdir()) if not p.is_dir() and os.access(p, os.X_OK)]
+    return [p for p in sorted(folder.glob("*")) if not p.is_dir() and os.access(p, os.X_OK)]
 
 
 def tasks(build, suite, case, units_alone):

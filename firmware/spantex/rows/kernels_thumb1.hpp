@@ -4,7 +4,7 @@
 // between them; what is only added or copied lies in the upper registers.
 //
 //   instructions a pixel, loop included   nearest 6.5 to 7, bent rows 2 more (masked 9.4, 11.4)
-//                                         places 5.5 to 6, bent rows 2 more   three-point 31   bilinear 51   trilinear 105.5
+//                                         places 5.5 to 6, bent rows 2 more   three-point 31   bilinear 51   trilinear 105
 #pragma once
 #include <stdint.h>
 
