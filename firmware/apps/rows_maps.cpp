@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Maps of many sizes in every wrap mode, drawn by rows with every filter: seams between pixels and within blocks, sides that masks wrap and others. Prints
-// a line "size wrap filter hash" for the scenes of rows_scenes.hpp at two distances; tools/count_instructions compares it with the host's.
+// a line "size wrap filter hash" for the scenes of rows_scenes.hpp at two distances, then "random number hash" of forty planes of any direction each, horizons
+// in the picture among them, on any of the maps; tools/count_instructions compares them with the host's.
 #include "rows_scenes.hpp"
 
 #include <firmware/targets/console.hpp>
@@ -54,11 +55,57 @@ static bool show(const map_size& m, const wrap_modes& w, filter kind) {
   return true;
 }
 
+static uint32_t seed = 1;
+SPANTEX_WRAPS static uint32_t random_number() {
+  seed ^= seed << 13;
+  seed ^= seed >> 17;
+  return seed ^= seed << 5;
+}
+static int32_t between(int32_t low, int32_t high) { return low + int32_t(random_number() % uint32_t(high - low + 1)); }
+static int64_t within(int64_t x) {
+  const uint64_t high = random_number(), low = random_number();
+  return int64_t((high << 32 | low) % uint64_t(2 * x + 1)) - x;
+}
+
+// A plane that faces the viewer or whose horizon lies in the picture or near it, level, upright or slanted; texels from 2^-9 to 2^5 pixels.
+static homography random_plane() {
+  const int64_t one = 1 << 24;
+  const auto slope = [&](int32_t side) { return within((one << 2) / side >> between(0, 12)); };
+  const int32_t kind = between(0, 3);
+  const int64_t g = (kind & 1) != 0 ? slope(width) : 0, h = (kind & 2) != 0 ? slope(height) : 0;
+  // A number at a time: the order within an expression is the compiler's.
+  const int32_t x = between(-50, width + 50), y = between(-50, height + 50), nearness = between(0, 12), up = between(0, 5), down = between(0, 9), far = between(0, 14);
+  const int64_t i = kind == 0 ? one : -g * x - h * y + (one >> nearness), scale = one << up >> down, offset = one << far;
+  return {within(scale), within(scale), within(offset), within(scale), within(scale), within(offset), g, h, i};
+}
+
+static bool show_random(uint32_t number) {
+  uint32_t hash = app::hash_seed;
+  for (int n = 0; n < 40; ++n) {
+    texture_view map;
+    const map_size& m = sizes[random_number() % 12];
+    if (make_view(m, modes[random_number() % 4], map) != status::ok) return false;
+    plane p{};
+    if (make_plane(random_plane(), {0, 0, width, height}, p) != status::ok) continue;
+    const filter kind = app::row_filters[random_number() % 5];
+    const rectangle area{between(0, 40), between(0, 30), between(50, width), between(35, height)};
+    if (rows::draw_any(kind, state, rows::frame565{pixels, width, height, width}, p, map, area) == status::ok) hash = app::hash_of(pixels, width * height, hash);
+  }
+  console::print("random ");
+  console::print_hex(number);
+  console::print(" ");
+  console::print_hex(hash);
+  console::print("\n");
+  return true;
+}
+
 int main() {
   for (int32_t k = 0; k < most_texels; ++k) texels[k] = app::map_texel(k & 255, k >> 8);
   for (const map_size& m : sizes)
     for (const wrap_modes& w : modes)
       for (filter kind : app::row_filters)
         if (!show(m, w, kind)) return 1;
+  for (uint32_t n = 0; n < 16; ++n)
+    if (!show_random(n)) return 1;
   return 0;
 }
