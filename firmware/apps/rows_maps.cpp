@@ -2,11 +2,13 @@
 // Maps of many sizes in every wrap mode, drawn by rows with every filter: seams between pixels and within blocks, sides that masks wrap and others. Prints
 // a line "size wrap filter hash" for the scenes of rows_scenes.hpp at two distances, then "random number hash" of forty planes of any direction each, horizons
 // in the picture among them, on any of the maps; tools/count_instructions compares them with the host's.
+#include "random_numbers.hpp"
 #include "rows_scenes.hpp"
 
 #include <firmware/targets/console.hpp>
 
 using namespace spantex;
+using app::between, app::random_number;
 
 struct map_size { const char* name; int32_t width, height; };
 // 2^16 texels and less, more, a side of more than 2^11, of one texel, and none a power of two.
@@ -55,13 +57,6 @@ static bool show(const map_size& m, const wrap_modes& w, filter kind) {
   return true;
 }
 
-static uint32_t seed = 1;
-SPANTEX_WRAPS static uint32_t random_number() {
-  seed ^= seed << 13;
-  seed ^= seed >> 17;
-  return seed ^= seed << 5;
-}
-static int32_t between(int32_t low, int32_t high) { return low + int32_t(random_number() % uint32_t(high - low + 1)); }
 static int64_t within(int64_t x) {
   const uint64_t high = random_number(), low = random_number();
   return int64_t((high << 32 | low) % uint64_t(2 * x + 1)) - x;

@@ -2,23 +2,18 @@
 // Kernels alone: random runs of every length, straight and bent, with levels of detail that change and not, against the specification (sample.hpp), and
 // what lies beside a run's pixels, then loops inlined beside constants. Prints a line "runs kernel length hash", and "differs" in place of the hash where one is not as specified, and
 // ends with 1 then; tools/count_instructions compares the lines with the host's.
+#include "random_numbers.hpp"
+
 #include <spantex/rows/kernels.hpp>
 
 #include <firmware/targets/console.hpp>
 
 using namespace spantex;
+using app::between, app::random_number;
 
 static constexpr int32_t side = 64, rounds = 60, beside = 9;
 static uint16_t fine[side * side], coarse[side * side / 4], pixels[rows::longest_run + 2 * beside];
 static rows::scratch scratch;
-static uint32_t seed = 1;
-
-SPANTEX_WRAPS static uint32_t random_number() {
-  seed ^= seed << 13;
-  seed ^= seed >> 17;
-  return seed ^= seed << 5;
-}
-static int32_t between(int32_t low, int32_t high) { return low + int32_t(random_number() % uint32_t(high - low + 1)); }
 
 // Positions along an axis that stay in texels [2, side - 3]: by start, step and bend that are drawn again until they do.
 static void make_axis(int count, bool bent, int32_t& x, int32_t& dx, int32_t& ddx) {
