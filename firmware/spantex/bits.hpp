@@ -63,8 +63,10 @@ SPANTEX_WRAPS constexpr int64_t multiply_in_pieces(int64_t a, int32_t b) {
 // a b, which fits. ARMv6-M's compilers call a product of two numbers of 64 bits for it.
 #if defined(__ARM_ARCH_6M__) && !defined(__OPTIMIZE_SIZE__)
 [[gnu::noinline]] constexpr int64_t multiply_by_32(int64_t a, int32_t b) { return multiply_in_pieces(a, b); }
+constexpr uint64_t multiply_by_31(uint64_t a, int32_t b) { return uint64_t(multiply_by_32(int64_t(a), b)); }
 #else
 constexpr int64_t multiply_by_32(int64_t a, int32_t b) { return a * b; }
+constexpr uint64_t multiply_by_31(uint64_t a, int32_t b) { return a * uint32_t(b); }  // b >= 0
 #endif
 
 constexpr int max_of(int a, int b) { return a > b ? a : b; }

@@ -85,10 +85,7 @@ namespace detail {
 
 // How far a number goes from a block's centre, by its rows and by its columns.
 struct change { uint64_t across, down; };
-SPANTEX_FRAME_APART constexpr change change_of(int64_t a, int64_t b, int k, int n) {
-  const auto reached = [](int64_t x, int side_log2) { return magnitude(multiply_by_32(x, reach_of(side_log2))); };
-  return {reached(a, k), reached(b, n)};
-}
+SPANTEX_FRAME_APART constexpr change change_of(int64_t a, int64_t b, int k, int n) { return {multiply_by_31(magnitude(a), reach_of(k)), multiply_by_31(magnitude(b), reach_of(n))}; }
 
 // Halves of a block that cannot be drawn: of the side that the greater change is along. A single column has no halves left and right; one of several
 // pixels has no rows.
