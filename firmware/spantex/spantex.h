@@ -47,11 +47,11 @@ const char *spantex_status_string(spantex_status status);
 #if UINTPTR_MAX > 0xFFFFFFFFu
 #define SPANTEX_MAP_BYTES 256
 #define SPANTEX_TARGET_BYTES 144
-#define SPANTEX_STATE_BYTES 1344
+#define SPANTEX_STATE_BYTES 1376
 #else
 #define SPANTEX_MAP_BYTES 192
 #define SPANTEX_TARGET_BYTES 136
-#define SPANTEX_STATE_BYTES 2088
+#define SPANTEX_STATE_BYTES 2104
 #endif
 
 typedef union spantex_map { unsigned char bytes[SPANTEX_MAP_BYTES]; uint64_t alignment; } spantex_map;

@@ -2,11 +2,12 @@
 // Rows: texture coordinates for a core that samples the map where it lies (docs/SPEC.md "Rows"; errors: docs/ACCURACY.md "Rows").
 //
 // The screen is cut into squares of 32 pixels, or 256 x 32 where W is the same along a row, and those into halves, across or down, until coordinates
-// are true enough: blocks of 2^k x 2^n pixels. Block: one division, numerators rebased on a whole texel as in coordinates.hpp, cut to 16 bits. Row: 1/w at
-// the middle of the row by a series in 16-bit products; what is left of the perspective along the row is a polynomial of second degree with integer coefficients,
+// are true enough: blocks of 2^k x 2^n pixels. Block: one division, numerators rebased on a whole texel as in coordinates.hpp, cut to 16 bits. Row: a
+// polynomial of second degree with integer coefficients,
 //   u(i) = start + i step + i (i - 1)/2 bend        2^-16 texel, exactly,
-// so a pixel takes two additions a coordinate and the order of evaluation cannot matter. A block is as large as that is true to
-// 2^-row_tolerance_bits texel. Products are of 16-bit numbers, sums of 32: the same on Cortex-M0+ as with DSP instructions.
+// so a pixel takes two additions a coordinate and the order of evaluation cannot matter. Start, step and bend are polynomials of the row's number, of third,
+// second and first degree, by forward differences: exact sums of 32 bits again. A block is as large as that is true to 2^-row_tolerance_bits texel.
+// Products fit 32 bits: the same on Cortex-M0+ as with DSP instructions.
 #pragma once
 #include <stdint.h>
 
@@ -19,19 +20,23 @@ namespace spantex::rows {
 inline constexpr int largest_block_log2 = 5, widest_block_log2 = 8;
 inline constexpr int row_tolerance_bits = 6;
 
-// One coordinate of a block about its centre, hx and hy in half pixels: u - base = (c + a hx + b hy) / (1 + g hx + h hy).
+// The rows of a block, one coordinate: row 0 and forward differences, x(j) = x[0] + j x[1] + j (j - 1)/2 x[2] + j (j - 1)(j - 2)/6 x[3], modulo 2^32.
+struct row_differences {
+  uint32_t start[4];  // 2^-(16 + row_bits), half a unit of 2^-16 added; k = 0: the position, 2^-16
+  uint32_t step[3];   // in the middle of the row: step + (2^(k-1) - 1) bend; 2^-(16 + row_bits + k - 1), likewise
+  uint32_t bend[2];   // likewise
+};
+inline constexpr int row_bits = 5;
+
 struct block_axis {
-  int32_t base;   // whole texels of level 0
-  int32_t offset; // added to every position, 2^-16 unit; a unit is 2^unit_log2 texels
-  int32_t c;      // 2^-16
-  int32_t b;      // 2^-(16 + n); 0 if n = 0
-  int32_t slope;  // a - c g: w^2 du/dhx in the middle row; 2^-(16 + k)
-  int32_t twist;  // a h - b g: what it gains per hy; 2^-(16 + k)
+  int32_t base;    // whole texels of level 0
+  int32_t offset;  // added to every position, 2^-16 unit; a unit is 2^unit_log2 texels
+  row_differences rows;
 };
 
 struct block {
   block_axis u, v;
-  int32_t g, h;   // 2^-(16 + k), 2^-(18 + n); h = 0 if n = 0
+  int32_t g, h;   // 2^-(18 + k), 2^-(18 + n); h = 0 if n = 0
   int32_t level;  // level of detail at the centre, s.16; filters with levels
   int8_t k, n;    // 2^k pixels wide, 2^n high; k = 0: one pixel
   int8_t unit_log2;
@@ -46,6 +51,8 @@ struct walk {
   SPANTEX_WRAPS constexpr void step() { u += du; v += dv; du += ddu; dv += ddv; }
 };
 
+constexpr bool is_straight(const walk& w) { return (w.ddu | w.ddv) == 0; }
+
 // Not by a call of memcpy, as Cortex-M0+ would.
 constexpr void copy(const walk& from, walk& to) {
   to.u = from.u;
@@ -55,6 +62,8 @@ constexpr void copy(const walk& from, walk& to) {
   to.ddu = from.ddu;
   to.ddv = from.ddv;
 }
+
+SPANTEX_WRAPS constexpr walk moved(const walk& w, int32_t u, int32_t v) { return {w.u + u, w.v + v, w.du, w.dv, w.ddu, w.ddv}; }
 
 SPANTEX_WRAPS constexpr walk advanced(const walk& w, int i) {
   const int32_t pairs = i * (i - 1) / 2;
@@ -89,7 +98,9 @@ SPANTEX_FRAME_APART constexpr change change_of(int64_t a, int64_t b, int k, int 
 
 // Halves of a block that cannot be drawn: of the side that the greater change is along. A single column has no halves left and right; one of several
 // pixels has no rows.
-constexpr outcome halves_of(int k, int n, const change& x) { return n > 0 && (k <= 1 || x.down >= x.across) ? outcome::upper_and_lower : outcome::left_and_right; }
+template <class Number>
+constexpr outcome halves_of(int k, int n, Number across, Number down) { return n > 0 && (k <= 1 || down >= across) ? outcome::upper_and_lower : outcome::left_and_right; }
+constexpr outcome halves_of(int k, int n, const change& x) { return halves_of(k, n, x.across, x.down); }
 
 // Whether the block is in front of the viewer, and |e| <= 1/8; w: at its centre.
 constexpr outcome by_depth(const plane& p, int64_t w, int k, int n) {
@@ -114,7 +125,7 @@ constexpr int32_t upper_word(int32_t x, int32_t y) {
 #endif
 }
 
-// floor((2^62 - 1) / m), m >= 2^31: bit by bit, or from the engine's reciprocal, which is never above it.
+// floor((2^62 - 1) / m), m >= 2^31, one way or the other: bit by bit, or from the engine's reciprocals, which are never above it.
 SPANTEX_WRAPS constexpr int32_t inverse_by_bits(uint32_t m) {
   uint32_t rest = 0x7FFFFFFF, q = 0;
   for (int n = 0; n < 31; ++n) {
@@ -128,8 +139,24 @@ SPANTEX_WRAPS constexpr int32_t inverse_by_bits(uint32_t m) {
   }
   return int32_t(q);
 }
+// From a reciprocal of 16 bits, for cores without products of 64: each quotient of what is left is below it.
+SPANTEX_WRAPS constexpr int32_t inverse_by_halves(uint32_t m) {
+  const uint32_t y = reciprocal_narrow(m >> 16) - 2;                        // 2^47/m, at most 6 below it
+  const auto times_m = [&](uint32_t x) { return uint64_t(x * (m >> 16)) << 16; };
+  uint64_t rest = (uint64_t(1) << 62) - 1 - ((times_m(y) + y * (m & 0xFFFF)) << 15);  // below 2^50
+  const uint32_t second = uint32_t(rest >> 34) * y >> 13;                   // at most 2^18, and 45 below the quotient
+  rest -= multiply_32(second, m);
+  const uint32_t third = uint32_t(rest >> 24) * y >> 23;
+  rest -= times_m(third) + third * (m & 0xFFFF);
+  uint32_t q = (y << 15) + second + third;
+  for (; rest >= m; rest -= m) ++q;
+  return int32_t(q);
+}
 constexpr int32_t inverse_of(uint32_t m) {
   if (optimised_for_size) return inverse_by_bits(m);
+#if defined(__ARM_ARCH_6M__)
+  return inverse_by_halves(m);
+#endif
   uint32_t q = reciprocal_wide(m) >> 1;
   for (uint64_t rest = (uint64_t(1) << 62) - 1 - multiply_32(q, m); rest >= m; rest -= m) ++q;
   return int32_t(q);
@@ -187,32 +214,82 @@ SPANTEX_FRAME_APART constexpr outcome halves_in_reach(const centre& r, int k, in
   return halves_of(k, n, change_of(int64_t(magnitude(r.u.a) + magnitude(r.v.a)), int64_t(magnitude(r.u.b) + magnitude(r.v.b)), k, n));
 }
 
-// k, unit and level set.
+// Value and derivatives at the centre, where row 0 and its differences will be; k, g, h set.
 constexpr void set_axis(const centre_axis& x, const quotients& by_w, const block& o, block_axis& out) {
-  const int32_t a = by_w.slope(x.a, o.k), b = o.n == 0 ? 0 : by_w.slope(x.b, o.n), c = by_w.at(x.c);
-  const int cut = 9 + o.straight;
-  out = {x.base, 0, c, b, a - ((c >> 6) * o.g >> 10), ((a >> cut) * (o.h >> 2) - (b >> cut) * o.g) >> (16 - cut + o.n)};
+  const int32_t c = by_w.at(x.c), b = o.n == 0 ? 0 : by_w.slope(x.b, o.n);
+  out.base = x.base;
+  out.rows.start[0] = uint32_t(c);
+  out.rows.start[1] = uint32_t(b - (c * o.h >> 18));
+  out.rows.step[0] = uint32_t(by_w.slope(x.a, o.k) - (c * o.g >> 18));
+}
+// Of a single pixel.
+constexpr void set_point(const centre_axis& x, const quotients& by_w, block_axis& out) {
+  out.base = x.base;
+  out.rows.start[0] = uint32_t(x.in_range ? by_w.at(x.c) : 0);
 }
 // |G| <= W/8, and |H| if n > 0.
 SPANTEX_FRAME_APART constexpr void set_axes(const plane& p, const centre& r, uint64_t largest, block& o) {
   const quotients by_w(r, largest, 16 - o.unit_log2);
   const auto slope_of_w = [&](int64_t n, int scale) { return quotient_of(n, r.exponent + 32 - 3 - 31, r.inverse, 32 - scale); };
-  o.g = slope_of_w(p.w.x, 16 + o.k);
+  o.g = slope_of_w(p.w.x, 18 + o.k);
   o.h = o.n == 0 ? 0 : slope_of_w(p.w.y, 18 + o.n);
   set_axis(r.u, by_w, o, o.u);
   set_axis(r.v, by_w, o, o.v);
 }
 
-// The term of third degree, at most a X (g X)^2 units, X the reach, is replaced by its best line: a quarter of it is left.
-[[gnu::noinline]] constexpr bool bends_little(const block& o) {
-  const int32_t reach = reach_of(o.k);
-  const auto size = [](int32_t x) { return x < 0 ? -x : x; };
-  const int32_t e = size(o.g) * reach >> (o.k + 1);                                    // 2^-15
-  const int32_t square = e * e >> 15;
-  const auto steepest = [&](const block_axis& x) { return size(x.slope) + reach_of(o.n) * size(x.twist); };  // of all rows
-  const int32_t steeper = steepest(o.u) > steepest(o.v) ? steepest(o.u) : steepest(o.v);
-  const int32_t extent = (steeper >> 9) * reach >> (o.k - 1);                          // 2^-8
-  return extent * square <= 1 << (23 + 2 - row_tolerance_bits);
+// x (2^k - 1) / 2^k: a slope's reach.
+constexpr int32_t reached(int32_t slope, int k) { return slope - (slope >> k); }
+constexpr int32_t size_of(int32_t x) { return x < 0 ? -x : x; }
+
+// 1 - e + e^2 with slopes so much steeper that e^3 is replaced by its best line, e 3/4 r^2; products of slopes. 2^-18.
+struct bend_terms {
+  int32_t g, h, gg, gh, hh;  // gh twice
+  int32_t third;             // of S g^2 hx^3: the line's share
+};
+
+// About the centre u = c + L / (1 + e), L = S hx + T hy, e = g hx + h hy, |e| <= r. 1/(1 + e) is replaced by a polynomial of second degree, which is off by (r^3)/4,
+// and the term S g^2 hx^3 of the product by its best line: a quarter of it is left. What becomes of a block where either is too large; else the polynomial.
+SPANTEX_FRAME_APART constexpr outcome by_bends(const block& o, bend_terms& out) {
+  const int k = o.k, n = o.n;
+  const int32_t x = reached(size_of(o.g), k), y = reached(size_of(o.h), n), r = x + y, rr = r * r >> 18;  // 2^-18, r at most 2^15
+  const auto larger = [](uint32_t a, uint32_t b) { return max_of(size_of(int32_t(a)), size_of(int32_t(b))); };
+  const int32_t s = reached(larger(o.u.rows.step[0], o.v.rows.step[0]), k) >> 8, t = reached(larger(o.u.rows.start[1], o.v.rows.start[1]), n) >> 8;  // 2^-8
+  constexpr int32_t most = 1 << (26 + 2 - row_tolerance_bits);
+  if (s * (x * x >> 18) > most) return halves_of(k, n, 1, 0);
+  if ((s + t) * (rr * r >> 18) > most / 2) return halves_of(k, n, x, y);
+  const int32_t more = 3 * rr >> 2, g = o.g + (o.g * more >> 18), h = o.h + (o.h * more >> 18), across = reached(g, k) >> 1;
+  out = {g, h, (g >> 1) * (g >> 1) >> 16, (g >> 1) * (h >> 1) >> 15, (h >> 1) * (h >> 1) >> 16, 3 * (across * across >> 16) >> 2};
+  return outcome::drawn;
+}
+
+// Row 0 and `count` - 1 differences of q0 + q1 y - q2 y^2 + q3 y^3, y = hy / 2^n.
+struct polynomial { int32_t q0, q1, q2, q3; };
+SPANTEX_WRAPS SPANTEX_FRAME_APART constexpr void set_differences(const polynomial& q, int n, int count, uint32_t* out) {
+  const auto down = [&](int32_t x) { return reached(x, n); };
+  const int z = max_of(n - 1, 0);
+  const int32_t to_middle = (1 << z) - 1, first = q.q1 >> z, second = -(2 * q.q2 >> 2 * z), third = 6 * q.q3 >> 3 * z;  // about the middle
+  out[0] = uint32_t(q.q0 - down(q.q1 + down(q.q2 + down(q.q3))));
+  out[1] = uint32_t(first - second * to_middle + (third * to_middle * to_middle >> 1) + (q.q3 >> (3 * z + 2)));
+  if (count == 2) return;
+  out[2] = uint32_t(second - third * to_middle + (third >> 1));
+  if (count == 4) out[3] = uint32_t(third);
+}
+
+// From the value c and derivatives S, T at the centre:
+//   u = c + T y - yy y^2 + yyy y^3 + (S - xy y + xyy y^2) x - (xx - xxy y) x^2,   x = hx / 2^k
+SPANTEX_FRAME_APART constexpr void set_rows(const block& o, const bend_terms& e, row_differences& out) {
+  const int k = o.k;
+  const auto across = [&](int32_t x) { return reached(x, k); };
+  const int32_t slope = int32_t(out.step[0]), c = int32_t(out.start[0]) * (1 << row_bits), down_slope = int32_t(out.start[1]);
+  const int32_t s = (slope + 512) >> 10, t = (down_slope + 512) >> 10;  // 2^-6; products of 2^-24, then 2^-21
+  const int32_t xx = s * e.g >> 3, xy = (s * e.h + t * e.g) >> 3, yy = t * e.h >> 3;
+  const int32_t xxy = (s * e.gh + t * e.gg) >> 3, xyy = (s * e.hh + t * e.gh) >> 3, yyy = t * e.hh >> 3;
+  const int32_t S = slope * (1 << row_bits) + (s * e.third >> 3), T = down_slope * (1 << row_bits);
+  const int32_t half = 1 << (row_bits + k - 2);
+  // At x = -(2^k - 1)/2^k; in the middle 2 (S - xy y + xyy y^2) / 2^k; 8 (-xx + xxy y) / 4^k.
+  set_differences({c - across(S + across(xx)) + (1 << (row_bits - 1)), T + across(xy + across(xxy)), yy + across(xyy), yyy}, o.n, 4, out.start);
+  set_differences({S + half, -xy, -xyy, 0}, o.n, 3, out.step);
+  set_differences({-(2 * xx >> (k - 1)) + half, 2 * xxy >> (k - 1), 0, 0}, o.n, 2, out.bend);
 }
 
 // Level of detail: KT88's formula about the pixel interval, log2 K - 2 log2 W - 1, with an extra bias in 1/16 level.
@@ -239,6 +316,7 @@ constexpr outcome block_at(const plane& p, int32_t x, int32_t y, int k, int n, l
   o.unit_log2 = 0;
   o.straight = has_straight_rows(p);
   o.level = 0;
+  o.u.offset = o.v.offset = 0;
   if constexpr (Levels) {
     o.level = detail::level_at_centre(p, r.w, levels.bias);
     o.unit_log2 = int8_t(k == 0 ? 0 : detail::unit_of(o.level, levels.last_level));
@@ -246,14 +324,20 @@ constexpr outcome block_at(const plane& p, int32_t x, int32_t y, int k, int n, l
   if (k == 0) {
     const detail::quotients by_w(r, uint64_t(r.w), 16);
     o.g = o.h = 0;
-    o.u = {r.u.base, 0, r.u.in_range ? by_w.at(r.u.c) : 0, 0, 0, 0};
-    o.v = {r.v.base, 0, r.v.in_range ? by_w.at(r.v.c) : 0, 0, 0, 0};
+    detail::set_point(r.u, by_w, o.u);
+    detail::set_point(r.v, by_w, o.v);
     return outcome::drawn;
   }
   const uint64_t largest = detail::largest_of(r, o);
   if (largest == 0) return detail::halves_in_reach(r, k, n);
   detail::set_axes(p, r, largest, o);
-  return detail::bends_little(o) ? outcome::drawn : detail::halves_of(k, n, {1, 0});
+  detail::bend_terms e;
+  const outcome next = detail::by_bends(o, e);
+  if (next == outcome::drawn) {
+    detail::set_rows(o, e, o.u.rows);
+    detail::set_rows(o, e, o.v.rows);
+  }
+  return next;
 }
 
 template <bool Levels>
@@ -263,76 +347,42 @@ template <bool Levels>
 
 namespace detail {
 
-// Formulas of rows below: Int is a row's number, or a vector of several.
-// 1/(1 + e) = 1 - q, four terms; e and q 2^-18, |e| <= 1/8: off by less than 2^-14.8.
-template <class Int>
-constexpr Int series_of(Int e) {
-  Int q = e;
-  for (int n = 0; n < 3; ++n) q = e - (e * q >> 18);
-  return q;
+// Formulas of rows below: Word is a row's number, or a vector of several, Int the same with a sign.
+
+// j, j (j - 1)/2, j (j - 1)(j - 2)/6.
+template <class Word>
+struct row_numbers { Word one, two, three; };
+template <class Word>
+SPANTEX_WRAPS constexpr row_numbers<Word> numbers_of(Word j) {
+  const Word pairs = j * (j - 1) >> 1;
+  return {j, pairs, pairs * (j - 2) * 21846 >> 16};  // a third
 }
+template <class Word>
+SPANTEX_WRAPS constexpr Word value_of(const uint32_t (&x)[4], const row_numbers<Word>& j) { return x[0] + x[1] * j.one + x[2] * j.two + x[3] * j.three; }
 
-// 1 - 1/w, 2^-18; 1 - 1/w^2, 2^-17; g / w; 3/4 (g X / w)^2, 2^-15.
-template <class Int>
-struct row_terms { Int q, q2, g, third; };
-
-// One coordinate of a row: position and derivative by hx at its middle, then where it starts and how it goes on.
+// One coordinate of rows with k > 0. Bend is rounded, then step: the middle of the row keeps its slope.
 template <class Int>
 struct row_axis { Int start, step, bend; };
-template <class Int>
-#ifndef __OPTIMIZE_SIZE__
-[[gnu::always_inline]]
-#endif
-constexpr row_axis<Int> axis_at(const block_axis& x, Int hy, const row_terms<Int>& t, int k, int rows_log2, bool straight) {
-  const int32_t reach = reach_of(k);
-  const int cut = straight;
-  const Int n = x.c + (x.b * hy >> rows_log2), s = x.slope + x.twist * hy;
-  const Int slope = s - ((s >> (9 + cut)) * t.q2 >> (8 - cut));
-  const Int position = n - ((n >> (8 + cut)) * t.q >> (10 - cut)) + x.offset;
-  if (straight) {
-    const Int step = (2 * slope + (1 << (k - 1))) >> k;  // to nearest
-    return {position - (reach * step >> 1), step, Int{}};
-  }
-  const Int bend = ((int32_t(8) << 2 * k) - (slope >> 9) * t.g) >> (4 + 2 * k);  // to nearest
-  const Int half = (slope + ((slope >> 9) * t.third >> 6)) >> k;
-  return {position - reach * half + (reach * reach * bend >> 3), 2 * half - (reach >> 1) * bend, bend};
-}
-
-// Rows j of a block with k > 0 that is straight, or not.
-template <bool Straight, class Int, class Walk>
-[[gnu::always_inline]] constexpr void rows_at(const block& b, Int j, Walk& out) {
-  const int32_t reach = reach_of(b.k);
-  const Int hy = 2 * j - reach_of(b.n), q = series_of<Int>(b.h * hy >> b.n);
-  row_terms<Int> t{};
-  t.q = q;
-  t.q2 = q - (q * q >> 19);
-  if constexpr (!Straight) {
-    t.g = b.g - (b.g * q >> 18);
-    const Int e = t.g * reach >> (b.k + 1);  // 2^-15
-    t.third = 3 * (e * e >> 15) >> 2;
-  }
-#ifdef __OPTIMIZE_SIZE__
-  const bool straight = b.straight;
-#else
-  constexpr bool straight = Straight;
-#endif
-  const row_axis<Int> u = axis_at(b.u, hy, t, b.k, b.n, straight), v = axis_at(b.v, hy, t, b.k, b.n, straight);
-  out = {u.start, v.start, u.step, v.step, u.bend, v.bend};
-}
-template <class Int, class Walk>
-[[gnu::always_inline]] constexpr void rows_at(const block& b, Int j, Walk& out) {
-#ifndef __OPTIMIZE_SIZE__
-  if (b.straight) return rows_at<true>(b, j, out);
-#endif
-  rows_at<false>(b, j, out);
+template <class Int, class Word>
+SPANTEX_WRAPS constexpr row_axis<Int> axis_at(const block_axis& x, const row_numbers<Word>& j, int k) {
+  const row_differences& r = x.rows;
+  const int down = row_bits + k - 1;
+  const Word step = r.step[0] + r.step[1] * j.one + r.step[2] * j.two;
+  const Int bend = Int(r.bend[0] + r.bend[1] * j.one) >> down;
+  return {(Int(value_of(r.start, j)) >> row_bits) + x.offset, (Int(step) >> down) - ((1 << (k - 1)) - 1) * bend, bend};
 }
 
 }  // namespace detail
 
 // Row j of a block.
-constexpr void row_at(const block& b, int32_t j, walk& out) {
-  if (b.k == 0) out = {b.u.c + b.u.offset, b.v.c + b.v.offset, 0, 0, 0, 0};
-  else detail::rows_at(b, j, out);
+SPANTEX_WRAPS constexpr void row_at(const block& b, int32_t j, walk& out) {
+  if (b.k == 0) {
+    out = {int32_t(b.u.rows.start[0]) + b.u.offset, int32_t(b.v.rows.start[0]) + b.v.offset, 0, 0, 0, 0};
+    return;
+  }
+  const detail::row_numbers<uint32_t> numbers = detail::numbers_of(uint32_t(j));
+  const detail::row_axis<int32_t> u = detail::axis_at<int32_t>(b.u, numbers, b.k), v = detail::axis_at<int32_t>(b.v, numbers, b.k);
+  out = {u.start, v.start, u.step, v.step, u.bend, v.bend};
 }
 
 // Level of detail along a row, s.16.
@@ -344,8 +394,8 @@ struct level_rows {
   constexpr level_run row(int j) const { return {start + j * down, step}; }
 };
 constexpr level_rows level_rows_of(const block& b) {
-  const auto per_half_pixel = [](int32_t slope, int side_log2) { return -(slope * 23637 >> (13 + side_log2)); };
-  const int32_t x = per_half_pixel(b.g, b.k), y = per_half_pixel(b.h >> 2, b.n);
+  const auto per_half_pixel = [](int32_t slope, int side_log2) { return -(slope * 23637 >> (15 + side_log2)); };
+  const int32_t x = per_half_pixel(b.g, b.k), y = per_half_pixel(b.h, b.n);
   return {b.level - x * reach_of(b.k) - y * reach_of(b.n), 2 * x, 2 * y};
 }
 

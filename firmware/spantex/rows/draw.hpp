@@ -28,6 +28,10 @@ struct frame565 {
   void done(int32_t, int32_t, int32_t) const {}
 };
 
+// Whether a target's rows lie `stride` pixels apart and need no end: their addresses are not asked for one by one then.
+template <class Target> inline constexpr bool rows_follow_each_other = false;
+template <> inline constexpr bool rows_follow_each_other<frame565> = true;
+
 // Pixels that a target takes.
 template <class Target>
 constexpr rectangle area_of(const Target& target) {
@@ -211,7 +215,7 @@ class painter {
       b.v.offset = wrapped_base(b.v.base, map_.height()) << 16;
     } else {
       detail::set_offsets(b, level, Kind == filter::nearest ? 0 : snap);
-      memory_.fine = level_of(map_, level);
+      set_level_view(map_, level, memory_.fine);
       memory_.at.base_u = detail::base_on(level, b.u.base);
       memory_.at.base_v = detail::base_on(level, b.v.base);
     }
@@ -226,8 +230,11 @@ class painter {
   }
   static constexpr int32_t wrapped_base(int32_t base, int32_t size) { return base & (size - 1); }
 
+  static constexpr bool plain_rows = !Small && Cover::whole_rows && rows_follow_each_other<Target>;
+
   // A copy is not read again row by row, or block by block, but costs stack.
   using part_of_rows = typename detail::kept<block_part, Small>::type;
+  using kept_source = typename detail::kept<source, Small>::type;
   using area_of_blocks = typename detail::kept<rectangle, Small>::type;
   template <class Row>
   [[gnu::always_inline]] void each_row(part_of_rows part, const Row& draw_row) {
@@ -249,7 +256,19 @@ class painter {
 
   // With walks from pixel `first`.
   template <class Row>
-  [[gnu::always_inline]] void each_walk(part_of_rows part, const Row& draw_row) {
+  [[gnu::always_inline]] void each_walk(const block_part& part, const Row& draw_row) {
+    if constexpr (plain_rows) {
+      const int first = part.left, count = part.right - first;
+      const row_list rows = list_of(part);
+      texel565* out = rows.out;
+      int j = part.top;
+      for (const walk* w = rows.first; w != rows.end; ++w, ++j, out += rows.stride) draw_row(out, first, count, j, *w);
+    } else {
+      each_walk_of(part, draw_row);
+    }
+  }
+  template <class Row>
+  [[gnu::always_inline]] void each_walk_of(part_of_rows part, const Row& draw_row) {
     const walk* const top = &memory_.rows[detail::row_in_strip(part.top)];
     each_row(part, [&](texel565* out, int first, int count, int j) {
       const walk* w = Small ? &memory_.rows[detail::row_in_strip(j)] : top + (j - part.top);
@@ -260,6 +279,11 @@ class painter {
       }
       draw_row(out, first, count, j, *w);
     });
+  }
+
+  [[gnu::always_inline]] row_list list_of(const block_part& part) const {
+    const walk* const top = &memory_.rows[detail::row_in_strip(part.top)];
+    return {target_.row(part.x0 + part.left, part.y0 + part.top, part.right - part.left), target_.stride, top, top + (part.bottom - part.top), memory_.coordinates.straight};
   }
 
   void draw_part(const block& b, const block_part& part) {
@@ -287,7 +311,7 @@ class painter {
   }
   // Then of the level after it.
   SPANTEX_FRAME_APART bool find_coarser_source(const block& b, int level) {
-    memory_.coarse = level_of(map_, level + 1);
+    set_level_view(map_, level + 1, memory_.coarse);
     const detail::box& x = memory_.reach;
     return detail::source_of(memory_.coarse, {detail::coarser(x.u.low), detail::coarser(x.u.high)}, {detail::coarser(x.v.low), detail::coarser(x.v.high)},
                              b.u.base >> (level + 1), b.v.base >> (level + 1), 1, memory_.far);
@@ -296,7 +320,7 @@ class painter {
   // All pixels on one level. False if its borders cut the part.
   [[gnu::noinline]] bool draw_with_level(const block_part& part, bool whole) {
     constexpr filter kind = uses_levels(Kind) ? filter::bilinear : Kind;
-    const source& s = memory_.near;
+    const kept_source s = memory_.near;
 #if SPANTEX_ROWS_MVE
     if constexpr (kind == filter::bilinear) {
       mve::source map;
@@ -307,7 +331,8 @@ class painter {
     }
 #endif
     if (!whole) return false;
-    each_walk(part, [&](texel565* out, int, int count, int, const walk& w) { run<kind>(out, count, w, s, memory_.between); });
+    if constexpr (kind == filter::nearest && plain_rows) nearest_rows(list_of(part), part.right - part.left, s);
+    else each_walk(part, [&](texel565* out, int, int count, int, const walk& w) { run<kind>(out, count, w, s, memory_.between); });
     return true;
   }
   SPANTEX_FRAME_APART void draw_cut_at_borders(const block_part& part) {
@@ -326,11 +351,9 @@ class painter {
     const source s{map_.numbers(0), 2 * map_.width()};
     each_walk(part, [&](texel565* out, int, int count, int, const walk& w) {
       if constexpr (Map == map_kind::repeats_in_powers_of_two) return nearest_masked_run(out, count, w, s, masks);
-      walk& moved = memory_.at.at;
-      moved = w;
-      moved.u += base_u << 16;
-      moved.v += base_v << 16;
-      nearest_masked_run(out, count, moved, s, masks);
+      walk& there = memory_.at.at;
+      there = moved(w, base_u << 16, base_v << 16);
+      nearest_masked_run(out, count, there, s, masks);
     });
   }
 
@@ -403,7 +426,7 @@ template <filter Kind, map_kind Map = map_kind::any, class Target>
 status draw(state& memory, const Target& target, const plane& p, const texture_view& t, const rectangle& area) {
   static_assert(Map == map_kind::any || Kind == filter::nearest, "spantex: only the nearest texel is wrapped by masks");
   SPANTEX_TRY(check(t, Kind));
-  if (Map != map_kind::any && !level_of(t, 0).masked) return status::out_of_range;
+  if (Map != map_kind::any && !repeats_in_powers_of_two(t.wrap_u(), t.wrap_v(), t.width(), t.height())) return status::out_of_range;
   painter<Kind, Target, detail::rectangle_cover, Map>(p, t, target, area, {}, memory).draw();
   return status::ok;
 }

@@ -97,7 +97,7 @@ inline uint32_t address(const source& s) { return uint32_t(reinterpret_cast<uint
 template <class Pixel>
 SPANTEX_WRAPS inline void draw_along(uint16_t* out, int count, walk at, const Pixel& pixel) {
 #if !SPANTEX_ROWS_THUMB1 && !defined(__OPTIMIZE_SIZE__)
-  if ((at.ddu | at.ddv) == 0) {
+  if (is_straight(at)) {
     for (; count > 0; --count, at.u += at.du, at.v += at.dv) *out++ = pixel(at);
     return;
   }
@@ -129,7 +129,7 @@ inline upper_sums four_points(const texel565* p, const source& s, uint32_t fu, u
 
 inline void nearest_run(uint16_t* out, int count, const walk& from, const source& s) {
 #if SPANTEX_ROWS_DSP
-  if ((from.ddu | from.ddv) == 0) dsp::nearest_straight(out, count, from, detail::address(s), detail::to_bytes(s));
+  if (is_straight(from)) dsp::nearest_straight(out, count, from, detail::address(s), detail::to_bytes(s));
   else dsp::nearest_bent(out, count, from, detail::address(s), detail::to_bytes(s));
 #elif SPANTEX_ROWS_THUMB1
   thumb1::nearest(out, count, from, s.origin, s.pitch_bytes);
@@ -141,7 +141,7 @@ inline void nearest_run(uint16_t* out, int count, const walk& from, const source
 // Whole positions wrapped by masks (height - 1 : width - 1), both powers of two.
 inline void nearest_masked_run(uint16_t* out, int count, const walk& from, const source& s, uint32_t masks) {
 #if SPANTEX_ROWS_DSP
-  if ((from.ddu | from.ddv) == 0) dsp::nearest_masked_straight(out, count, from, detail::address(s), detail::to_bytes(s), masks);
+  if (is_straight(from)) dsp::nearest_masked_straight(out, count, from, detail::address(s), detail::to_bytes(s), masks);
   else dsp::nearest_masked_bent(out, count, from, detail::address(s), detail::to_bytes(s), masks);
 #else
 #if SPANTEX_ROWS_THUMB1
@@ -153,10 +153,35 @@ inline void nearest_masked_run(uint16_t* out, int count, const walk& from, const
 #endif
 }
 
+// Rows of pixels `stride` pixels apart, and their walks: all of them straight, or any.
+struct row_list {
+  uint16_t* out;
+  int32_t stride;
+  const walk *first, *end;
+  bool straight;
+};
+template <class Row>
+[[gnu::always_inline]] inline void each_row_of(row_list rows, const Row& draw) {
+  for (; rows.first != rows.end; ++rows.first, rows.out += rows.stride) draw(rows.out, *rows.first);
+}
+
+// nearest_run() of several rows.
+#if SPANTEX_ROWS_DSP
+[[gnu::noinline]] inline void nearest_rows(const row_list& rows, int count, const source& s) {
+  const uint32_t origin = detail::address(s), to_bytes = detail::to_bytes(s);
+  if (rows.straight) each_row_of(rows, [&](uint16_t* out, const walk& at) __attribute__((always_inline)) { dsp::nearest_straight(out, count, at, origin, to_bytes); });
+  else each_row_of(rows, [&](uint16_t* out, const walk& at) __attribute__((always_inline)) { dsp::nearest_bent(out, count, at, origin, to_bytes); });
+}
+#else
+inline void nearest_rows(const row_list& rows, int count, const source& s) {
+  each_row_of(rows, [&](uint16_t* out, const walk& at) { nearest_run(out, count, at, s); });
+}
+#endif
+
 // Snapped positions (sample.hpp).
 [[gnu::noinline]] inline void bilinear_run(uint16_t* out, int count, const walk& from, const source& s, scratch& between) {
 #if SPANTEX_ROWS_DSP
-  if ((from.ddu | from.ddv) == 0) dsp::weighted_places_straight(between.words, count, from, detail::address(s), detail::to_bytes(s));
+  if (is_straight(from)) dsp::weighted_places_straight(between.words, count, from, detail::address(s), detail::to_bytes(s));
   else dsp::weighted_places(between.words, count, from, detail::address(s), detail::to_bytes(s));
   dsp::four_points(out, between.words, count, uint32_t(s.pitch_bytes));
 #elif SPANTEX_ROWS_THUMB1
@@ -172,7 +197,7 @@ inline void nearest_masked_run(uint16_t* out, int count, const walk& from, const
 
 [[gnu::noinline]] inline void three_point_run(uint16_t* out, int count, const walk& from, const source& s, scratch& between) {
 #if SPANTEX_ROWS_DSP
-  if ((from.ddu | from.ddv) == 0) return dsp::three_points_straight(out, count, from, detail::address(s), detail::to_bytes(s));
+  if (is_straight(from)) return dsp::three_points_straight(out, count, from, detail::address(s), detail::to_bytes(s));
   dsp::places(between.words, count, from, detail::address(s), detail::to_bytes(s));
   dsp::three_points(out, between.words, count, uint32_t(s.pitch_bytes));
 #elif SPANTEX_ROWS_THUMB1

@@ -2,7 +2,7 @@
 // Inner loops of kernels.hpp in the instructions of Cortex-M4, M7, M33 and M55 (DSP extension). Most filters take two loops, since their numbers do
 // not fit 14 registers at once: the first turns positions into addresses and weights, the second filters.
 //
-//   instructions a pixel, loop included   nearest 8 (masked 9)   three-point 7 + 22   bilinear 13 + 22   trilinear 36 + 39, bent rows of nearest 2 more
+//   instructions a pixel, loop included   nearest 6 (masked 7)   three-point 7 + 22   bilinear 13 + 22   trilinear 36 + 39, bent rows of nearest 2 more
 //   along straight rows                                          three-point 26       bilinear 11 + 22   trilinear 24 + 39
 //
 // Input: walks in 2^-16 texel; weights of 5 bits; sums below 2^16 (bilinear), 2^20 (trilinear): nothing overflows.
@@ -16,46 +16,49 @@ namespace spantex::rows::dsp {
 // clang-format off
 #define SPANTEX_PIXEL(MASK, STEP) "pkhtb %[t], %[v], %[u], asr #16\n" MASK "smlad %[t], %[t], %[k], %[o]\n ldrh %[t], [%[t]]\n" \
                                   "add %[u], %[u], %[du]\n add %[v], %[v], %[dv]\n strh %[t], [%[out]], #2\n" STEP
-#define SPANTEX_8_PIXELS(PIXEL) "subs %[n], %[n], #8\n blt 2f\n 1:\n" PIXEL PIXEL PIXEL PIXEL PIXEL PIXEL PIXEL PIXEL "subs %[n], %[n], #8\n bge 1b\n" \
-                                "2: adds %[n], %[n], #8\n beq 4f\n 3:\n" PIXEL "subs %[n], %[n], #1\n bne 3b\n 4:\n"
+#define SPANTEX_8_PIXELS(PIXEL) PIXEL PIXEL PIXEL PIXEL PIXEL PIXEL PIXEL PIXEL
+#define SPANTEX_PIXELS(PIXEL) "subs %[n], %[n], #16\n blt 2f\n 1:\n" SPANTEX_8_PIXELS(PIXEL) SPANTEX_8_PIXELS(PIXEL) "subs %[n], %[n], #16\n bge 1b\n" \
+                              "2: adds %[n], %[n], #16\n beq 9f\n subs %[n], %[n], #8\n blt 3f\n" SPANTEX_8_PIXELS(PIXEL) "beq 9f\n b 4f\n" \
+                              "3: adds %[n], %[n], #8\n 4:\n" PIXEL "subs %[n], %[n], #1\n bne 4b\n 9:\n"
 #define SPANTEX_MASK "and %[t], %[t], %[m]\n"
 #define SPANTEX_BEND "add %[du], %[du], %[ddu]\n add %[dv], %[dv], %[ddv]\n"
 // clang-format on
 
 // Texels at (v : u), maybe & masks, one after the other. to_bytes, origin: kernels.hpp.
-inline void nearest_straight(uint16_t* out, int count, const walk& at, uint32_t origin, uint32_t to_bytes) {
+[[gnu::always_inline]] inline void nearest_straight(uint16_t* out, int count, const walk& at, uint32_t origin, uint32_t to_bytes) {
   uint32_t t;
   int32_t u = at.u, v = at.v;
-  asm volatile(SPANTEX_8_PIXELS(SPANTEX_PIXEL("", ""))
+  asm volatile(SPANTEX_PIXELS(SPANTEX_PIXEL("", ""))
                : [out] "+&r"(out), [n] "+&r"(count), [u] "+&r"(u), [v] "+&r"(v), [t] "=&r"(t)
                : [du] "r"(at.du), [dv] "r"(at.dv), [k] "r"(to_bytes), [o] "r"(origin)
                : "memory", "cc");
 }
-inline void nearest_masked_straight(uint16_t* out, int count, const walk& at, uint32_t origin, uint32_t to_bytes, uint32_t masks) {
+[[gnu::always_inline]] inline void nearest_masked_straight(uint16_t* out, int count, const walk& at, uint32_t origin, uint32_t to_bytes, uint32_t masks) {
   uint32_t t;
   int32_t u = at.u, v = at.v;
-  asm volatile(SPANTEX_8_PIXELS(SPANTEX_PIXEL(SPANTEX_MASK, ""))
+  asm volatile(SPANTEX_PIXELS(SPANTEX_PIXEL(SPANTEX_MASK, ""))
                : [out] "+&r"(out), [n] "+&r"(count), [u] "+&r"(u), [v] "+&r"(v), [t] "=&r"(t)
                : [du] "r"(at.du), [dv] "r"(at.dv), [k] "r"(to_bytes), [o] "r"(origin), [m] "r"(masks)
                : "memory", "cc");
 }
-inline void nearest_bent(uint16_t* out, int count, const walk& at, uint32_t origin, uint32_t to_bytes) {
+[[gnu::always_inline]] inline void nearest_bent(uint16_t* out, int count, const walk& at, uint32_t origin, uint32_t to_bytes) {
   uint32_t t;
   int32_t u = at.u, v = at.v, du = at.du, dv = at.dv;
-  asm volatile(SPANTEX_8_PIXELS(SPANTEX_PIXEL("", SPANTEX_BEND))
+  asm volatile(SPANTEX_PIXELS(SPANTEX_PIXEL("", SPANTEX_BEND))
                : [out] "+&r"(out), [n] "+&r"(count), [u] "+&r"(u), [v] "+&r"(v), [du] "+&r"(du), [dv] "+&r"(dv), [t] "=&r"(t)
                : [ddu] "r"(at.ddu), [ddv] "r"(at.ddv), [k] "r"(to_bytes), [o] "r"(origin)
                : "memory", "cc");
 }
-inline void nearest_masked_bent(uint16_t* out, int count, const walk& at, uint32_t origin, uint32_t to_bytes, uint32_t masks) {
+[[gnu::always_inline]] inline void nearest_masked_bent(uint16_t* out, int count, const walk& at, uint32_t origin, uint32_t to_bytes, uint32_t masks) {
   uint32_t t;
   int32_t u = at.u, v = at.v, du = at.du, dv = at.dv;
-  asm volatile(SPANTEX_8_PIXELS(SPANTEX_PIXEL(SPANTEX_MASK, SPANTEX_BEND))
+  asm volatile(SPANTEX_PIXELS(SPANTEX_PIXEL(SPANTEX_MASK, SPANTEX_BEND))
                : [out] "+&r"(out), [n] "+&r"(count), [u] "+&r"(u), [v] "+&r"(v), [du] "+&r"(du), [dv] "+&r"(dv), [t] "=&r"(t)
                : [ddu] "r"(at.ddu), [ddv] "r"(at.ddv), [k] "r"(to_bytes), [o] "r"(origin), [m] "r"(masks)
                : "memory", "cc");
 }
 #undef SPANTEX_PIXEL
+#undef SPANTEX_PIXELS
 #undef SPANTEX_8_PIXELS
 #undef SPANTEX_MASK
 #undef SPANTEX_BEND
@@ -133,8 +136,10 @@ inline constexpr int trilinear_words = 6, scratch_words = trilinear_words * 16; 
 // clang-format off
 #define SPANTEX_POSITION "pkhtb r4, %[v], %[u], asr #16\n smlad r4, r4, %[k], %[o]\n stmia %[to]!, {r4, r5, r6}\n add %[u], %[u], %[du]\n add %[v], %[v], %[dv]\n"
 #define SPANTEX_BEND     "add %[du], %[du], %[ddu]\n add %[dv], %[dv], %[ddv]\n"
-#define SPANTEX_4_PIXELS(PIXEL) "subs %[n], %[n], #4\n blt 2f\n 1:\n" PIXEL PIXEL PIXEL PIXEL "subs %[n], %[n], #4\n bge 1b\n" \
-                                "2: adds %[n], %[n], #4\n beq 4f\n 3:\n" PIXEL "subs %[n], %[n], #1\n bne 3b\n 4:\n"
+#define SPANTEX_4_PIXELS(PIXEL) PIXEL PIXEL PIXEL PIXEL
+#define SPANTEX_PIXELS(PIXEL) "subs %[n], %[n], #8\n blt 2f\n 1:\n" SPANTEX_4_PIXELS(PIXEL) SPANTEX_4_PIXELS(PIXEL) "subs %[n], %[n], #8\n bge 1b\n" \
+                              "2: adds %[n], %[n], #8\n beq 9f\n subs %[n], %[n], #4\n blt 3f\n" SPANTEX_4_PIXELS(PIXEL) "beq 9f\n b 4f\n" \
+                              "3: adds %[n], %[n], #4\n 4:\n" PIXEL "subs %[n], %[n], #1\n bne 4b\n 9:\n"
 // clang-format on
 
 // Addresses and positions, three words a pixel.
@@ -142,7 +147,7 @@ inline constexpr int trilinear_words = 6, scratch_words = trilinear_words * 16; 
   int32_t du = at.du, dv = at.dv;
   register int32_t u asm("r5") = at.u;
   register int32_t v asm("r6") = at.v;
-  asm volatile(SPANTEX_4_PIXELS(SPANTEX_POSITION SPANTEX_BEND)
+  asm volatile(SPANTEX_PIXELS(SPANTEX_POSITION SPANTEX_BEND)
                : [to] "+&r"(to), [n] "+&r"(count), [u] "+&r"(u), [v] "+&r"(v), [du] "+&r"(du), [dv] "+&r"(dv)
                : [ddu] "r"(at.ddu), [ddv] "r"(at.ddv), [k] "r"(to_bytes), [o] "r"(origin)
                : "r4", "memory", "cc");
@@ -150,6 +155,7 @@ inline constexpr int trilinear_words = 6, scratch_words = trilinear_words * 16; 
 #undef SPANTEX_POSITION
 #undef SPANTEX_BEND
 #undef SPANTEX_4_PIXELS
+#undef SPANTEX_PIXELS
 
 // t00 (32 - high) + side d1 + ... as 32 t00 + (side - t00) high + (t11 - side) low; the two triangles part by a branch.
 // clang-format off

@@ -13,17 +13,44 @@
 
 namespace spantex::rows::mve {
 
-// Four rows of a block at once, from row j; k > 0. Those beyond its last are of no use.
-[[gnu::noinline]] inline void rows_at(const block& b, int32_t j, walk* out) {
-  struct { int32x4_t u, v, du, dv, ddu, ddv; } four;
-  detail::rows_at(b, vreinterpretq_s32_u32(vidupq_n_u32(uint32_t(j), 1)), four);
-  const uint32x4_t to = vaddq_n_u32(vmulq_n_u32(vidupq_n_u32(0, 1), sizeof(walk)), uint32_t(reinterpret_cast<uintptr_t>(out)));
-  vstrwq_scatter_base_s32(to, 0, four.u);
-  vstrwq_scatter_base_s32(to, 4, four.v);
-  vstrwq_scatter_base_s32(to, 8, four.du);
-  vstrwq_scatter_base_s32(to, 12, four.dv);
-  vstrwq_scatter_base_s32(to, 16, four.ddu);
-  vstrwq_scatter_base_s32(to, 20, four.ddv);
+// One number of four walks that follow each other.
+[[gnu::always_inline]] inline void store_four(int32_t* first, int32x4_t x) { vstrwq_scatter_offset_s32(first, vmulq_n_u32(vidupq_n_u32(0, 1), sizeof(walk)), x); }
+[[gnu::always_inline]] inline int32x4_t shifted_down(uint32x4_t x, int32_t down) { return vshlq_r_s32(vreinterpretq_s32_u32(x), -down); }
+
+// As add_rows() of run.hpp: four lanes go on by four rows.
+template <int32_t walk::*U, int32_t walk::*Du, int32_t walk::*Ddu>
+[[gnu::always_inline]] inline void add_rows(const block_axis& x, const detail::row_numbers<uint32x4_t>& j, int k, walk* to, const walk* end) {
+  const row_differences& r = x.rows;
+  const auto along = [](uint32_t at_0, uint32_t by_row, uint32x4_t n) { return vmlaq_n_u32(vdupq_n_u32(at_0), n, by_row); };
+  {
+    const uint32_t x1 = r.start[1], x2 = r.start[2], x3 = r.start[3];
+    uint32x4_t start = vmlaq_n_u32(vmlaq_n_u32(along(r.start[0], x1, j.one), j.two, x2), j.three, x3);
+    uint32x4_t first = vmlaq_n_u32(along(4 * x1 + 6 * x2 + 4 * x3, 4 * x2 + 6 * x3, j.one), j.two, 4 * x3), second = along(16 * x2 + 48 * x3, 16 * x3, j.one);
+    for (walk* w = to; w < end; w += 4) {
+      store_four(&(w->*U), vaddq_n_s32(vshrq_n_s32(vreinterpretq_s32_u32(start), row_bits), x.offset));
+      start = vaddq_u32(start, first);
+      first = vaddq_u32(first, second);
+      second = vaddq_n_u32(second, 64 * x3);
+    }
+  }
+  const uint32_t y1 = r.step[1], y2 = r.step[2], by_row = r.bend[1];
+  uint32x4_t step = vmlaq_n_u32(along(r.step[0], y1, j.one), j.two, y2), first = along(4 * y1 + 6 * y2, 4 * y2, j.one), bend = along(r.bend[0], by_row, j.one);
+  const int32_t down = row_bits + k - 1, columns = (1 << (k - 1)) - 1;
+  for (walk* w = to; w < end; w += 4) {
+    const int32x4_t bent = shifted_down(bend, down);
+    store_four(&(w->*Ddu), bent);
+    store_four(&(w->*Du), vmlaq_n_s32(shifted_down(step, down), bent, -columns));
+    bend = vaddq_n_u32(bend, 4 * by_row);
+    step = vaddq_u32(step, first);
+    first = vaddq_n_u32(first, 16 * y2);
+  }
+}
+
+// Rows of a block from row j on, a multiple of 4; k > 0.
+[[gnu::noinline]] inline void rows_from(const block& b, int32_t j, walk* to, const walk* end) {
+  const detail::row_numbers<uint32x4_t> numbers = detail::numbers_of(vidupq_n_u32(uint32_t(j), 1));
+  add_rows<&walk::u, &walk::du, &walk::ddu>(b.u, numbers, b.k, to, end);
+  add_rows<&walk::v, &walk::dv, &walk::ddv>(b.v, numbers, b.k, to, end);
 }
 
 // A map as lanes address it: by offsets of 16 bits from `texels`, at positions of 11 bits and 5 of fraction.
@@ -165,7 +192,7 @@ struct fine_walk { uint32_t u, v, du, dv, ddu, ddv; };
   eight* const places = reinterpret_cast<eight*>(between);
   const auto fine = [](int32_t x) { return uint32_t(x) * 32; };
   const fine_walk from{fine(at.u) + 32 * map.u, fine(at.v) + 32 * map.v, fine(at.du), fine(at.dv), fine(at.ddu), fine(at.ddv)};
-  if ((at.ddu | at.ddv) == 0) places_straight(places, count, from);
+  if (is_straight(at)) places_straight(places, count, from);
   else places_bent(places, count, from);
   if (map.columns == 0) four_points(out, places, count, map);
   else four_points_wrapped(out, places, count, map);

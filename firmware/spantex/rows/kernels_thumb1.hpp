@@ -23,7 +23,6 @@ template <int Bits>
   const auto fraction = [&](int32_t x) { return uint32_t(x) << (32 - Bits); };
   return {(uint32_t(reinterpret_cast<uintptr_t>(origin)) >> 1) + texels(w.u, w.v), fraction(w.u), fraction(w.v), texels(w.du, w.dv), fraction(w.du), fraction(w.dv)};
 }
-constexpr bool is_straight(const walk& w) { return (w.ddu | w.ddv) == 0; }
 // Whether the whole parts of a bent row's steps stay what they are: then fractions alone change.
 template <int Bits>
 constexpr bool steps_alike(const walk& w, int count) {
@@ -45,7 +44,7 @@ constexpr bool steps_alike(const walk& w, int count) {
 // clang-format on
 
 // count > 0. origin: the texel at (0, 0).
-SPANTEX_WRAPS inline void nearest(uint16_t* to, int count, walk at, const texel565* origin, int32_t pitch_bytes) {
+[[gnu::noinline]] SPANTEX_WRAPS inline void nearest(uint16_t* to, int count, const walk& at, const texel565* origin, int32_t pitch_bytes) {
   const int32_t row = pitch_bytes >> 1;
   const uint32_t skipped = -uint32_t(count) & 7;
   uint16_t *out = to - skipped, *const end = to + count;
@@ -66,28 +65,28 @@ SPANTEX_WRAPS inline void nearest(uint16_t* to, int count, walk at, const texel5
                  : [step] "l"(c.step), [ddu] "h"(uint32_t(at.ddu) << 16), [ddv] "h"(uint32_t(at.ddv) << 16), [row] "h"(row), [end] "h"(end), [bytes] "i"(bytes)
                  : "memory", "cc");
   } else {
-    for (; to != end; at.step()) *to++ = origin[texel_of(at.u) + texel_of(at.v) * row];
+    for (walk w = at; to != end; w.step()) *to++ = origin[texel_of(w.u) + texel_of(w.v) * row];
   }
 }
 
 // The same with whole positions wrapped by masks (height - 1 : width - 1) of at most 2^16 texels: v is brought to the place where its bits are wanted.
 inline bool masks_fit(uint32_t masks) { return ((masks & 0xFFFF) + 1) * ((masks >> 16) + 1) <= 1u << 16; }
-SPANTEX_WRAPS inline void nearest_masked(uint16_t* to, int count, walk at, const texel565* texels, uint32_t masks) {
+[[gnu::noinline]] SPANTEX_WRAPS inline void nearest_masked(uint16_t* to, int count, const walk& at, const texel565* texels, uint32_t masks) {
   const uint32_t skipped = -uint32_t(count) & 7, width = (masks & 0xFFFF) + 1, mu = 2 * width - 2, mv = (masks >> 16) * 2 * width;
   uint16_t *out = to - skipped, *const end = to + count;
-  uint32_t s, v = uint32_t(at.v) * width, dv = uint32_t(at.dv) * width;
-  if ((at.ddu | at.ddv) == 0) {
+  uint32_t s, u = uint32_t(at.u), v = uint32_t(at.v) * width, dv = uint32_t(at.dv) * width;
+  if (is_straight(at)) {
     constexpr uint32_t bytes = 18;
     uint32_t t = skipped * bytes;
     asm volatile(SPANTEX_LOOP(SPANTEX_MASKED, "")
-                 : [out] "+&l"(out), [u] "+&l"(at.u), [v] "+&l"(v), [t] "+&l"(t), [s] "=&l"(s)
+                 : [out] "+&l"(out), [u] "+&l"(u), [v] "+&l"(v), [t] "+&l"(t), [s] "=&l"(s)
                  : [mu] "l"(mu), [mv] "l"(mv), [base] "l"(texels), [du] "h"(at.du), [dv] "h"(dv), [end] "h"(end), [bytes] "i"(bytes)
                  : "memory", "cc");
   } else {
     constexpr uint32_t bytes = 22;
-    uint32_t t = skipped * bytes;
+    uint32_t du = uint32_t(at.du), t = skipped * bytes;
     asm volatile(SPANTEX_LOOP(SPANTEX_MASKED, SPANTEX_BEND)
-                 : [out] "+&l"(out), [u] "+&l"(at.u), [v] "+&l"(v), [t] "+&l"(t), [s] "=&l"(s), [du] "+&h"(at.du), [dv] "+&h"(dv)
+                 : [out] "+&l"(out), [u] "+&l"(u), [v] "+&l"(v), [t] "+&l"(t), [s] "=&l"(s), [du] "+&h"(du), [dv] "+&h"(dv)
                  : [mu] "l"(mu), [mv] "l"(mv), [base] "l"(texels), [ddu] "h"(at.ddu), [ddv] "h"(uint32_t(at.ddv) * width), [end] "h"(end), [bytes] "i"(bytes)
                  : "memory", "cc");
   }

@@ -20,7 +20,7 @@ namespace spantex::rows {
 
 inline namespace SPANTEX_ROWS_KERNELS {
 
-// The caller's memory, in which set-up works too: below 1.9 KiB.
+// The caller's memory, in which set-up works too: 1344 bytes on a core of 32 bits, 1912 and 2104 with kernels (run.hpp).
 struct picture_state : state { polygon shape; };
 
 }  // namespace SPANTEX_ROWS_KERNELS

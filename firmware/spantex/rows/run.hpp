@@ -21,13 +21,22 @@ struct level_view {
 };
 
 // A map that repeats in powers of two: whole positions wrap by masks.
-constexpr bool repeats_in_powers_of_two(const level_view& t) {
-  return t.wrap_u == wrap::repeat && t.wrap_v == wrap::repeat && (t.width & (t.width - 1)) == 0 && (t.height & (t.height - 1)) == 0;
+constexpr bool repeats_in_powers_of_two(wrap across, wrap down, int32_t width, int32_t height) {
+  return across == wrap::repeat && down == wrap::repeat && (width & (width - 1)) == 0 && (height & (height - 1)) == 0;
 }
 
+// Not returned: Cortex-M0+ would copy it by a call.
+SPANTEX_FRAME_APART constexpr void set_level_view(const texture_view& t, int level, level_view& out) {
+  out.texels = t.numbers(level);
+  out.width = t.width(level);
+  out.height = t.height(level);
+  out.wrap_u = t.wrap_u();
+  out.wrap_v = t.wrap_v();
+  out.masked = repeats_in_powers_of_two(out.wrap_u, out.wrap_v, out.width, out.height);
+}
 constexpr level_view level_of(const texture_view& t, int level) {
-  level_view out{t.numbers(level), t.width(level), t.height(level), t.wrap_u(), t.wrap_v(), false};
-  out.masked = repeats_in_powers_of_two(out);
+  level_view out{};
+  set_level_view(t, level, out);
   return out;
 }
 
@@ -103,12 +112,12 @@ struct copy { borders u, v; };
 SPANTEX_FRAME_APART constexpr int straight_until_border(const walk& w, const copy& c, int count) { return until_border(w.v, w.dv, c.v, until_border(w.u, w.du, c.u, count)); }
 constexpr int until_border(const walk& w, const copy& c, int count) {
   const int n = straight_until_border(w, c, count);
-  return (w.ddu | w.ddv) != 0 ? bent_until_border(w, c, n) : n;
+  return is_straight(w) ? n : bent_until_border(w, c, n);
 }
 
 // To the pixel n further on.
 SPANTEX_WRAPS constexpr void go_on(walk& w, int n) {
-  if ((w.ddu | w.ddv) != 0) {
+  if (!is_straight(w)) {
     w = advanced(w, n);
     return;
   }
@@ -242,21 +251,54 @@ inline namespace SPANTEX_ROWS_KERNELS {
 // A block is drawn in strips of rows, made at once. Those of wide blocks are low, so that fewer parts of them lie on the map's borders; others as high as there is
 // memory for.
 inline constexpr int wide_strip_rows = 8, strip_rows = SPANTEX_ROWS_DSP ? 16 : 8;
+inline constexpr int longest_seam = SPANTEX_ROWS_THUMB1 ? 16 : longest_run;  // pixels that are read texel by texel at once
 constexpr int row_in_strip(int j) { return j & (strip_rows - 1); }
+
+// Of one coordinate, rows from j on by additions, four at a time; it is walk's U, Du, Ddu. Two loops, as cores have few registers.
+template <int32_t walk::*U, int32_t walk::*Du, int32_t walk::*Ddu>
+SPANTEX_WRAPS inline void add_rows(const block_axis& x, const row_numbers<uint32_t>& j, int k, walk* to, const walk* end) {
+  const row_differences& r = x.rows;
+  {
+    const uint32_t third = r.start[3];
+    uint32_t start = value_of(r.start, j), first = r.start[1] + j.one * r.start[2] + j.two * third, second = r.start[2] + j.one * third;
+    const int32_t offset = x.offset;
+    for (walk* w = to; w < end; w += 4)
+#pragma GCC unroll 4
+      for (int n = 0; n < 4; ++n) {
+        w[n].*U = (int32_t(start) >> row_bits) + offset;
+        start += first;
+        first += second;
+        second += third;
+      }
+  }
+  const uint32_t second = r.step[2], by_row = r.bend[1];
+  uint32_t step = r.step[0] + j.one * r.step[1] + j.two * second, first = r.step[1] + j.one * second, bend = r.bend[0] + j.one * by_row;
+  const int32_t down = row_bits + k - 1, columns = (1 << (k - 1)) - 1;
+  for (walk* w = to; w < end; w += 4)
+#pragma GCC unroll 4
+    for (int n = 0; n < 4; ++n) {
+      const int32_t bent = int32_t(bend) >> down;
+      w[n].*Ddu = bent;
+      w[n].*Du = (int32_t(step) >> down) - columns * bent;
+      bend += by_row;
+      step += first;
+      first += second;
+    }
+}
 
 // Rows [from, to) of a block, all in one strip.
 SPANTEX_FRAME_APART inline void make_rows(const block& b, int from, int to, walk* rows) {
-#if SPANTEX_ROWS_MVE
-  if (b.k > 0) {
-    for (int j = from & ~3; j < to; j += 4) mve::rows_at(b, j, rows + row_in_strip(j));
-    return;
-  }
-#endif
 #ifndef __OPTIMIZE_SIZE__
   if (b.k > 0) {
-    const block same = b;  // not what is written
-    if (same.straight) for (int j = from; j < to; ++j) rows_at<true>(same, j, rows[row_in_strip(j)]);
-    else for (int j = from; j < to; ++j) rows_at<false>(same, j, rows[row_in_strip(j)]);
+    const int first = from & ~3;  // four at a time; those that are not asked for are of no use
+    walk *const at = rows + row_in_strip(first), *const end = at + (to - first);
+#if SPANTEX_ROWS_MVE
+    mve::rows_from(b, first, at, end);
+#else
+    const row_numbers<uint32_t> j = numbers_of(uint32_t(first));
+    add_rows<&walk::u, &walk::du, &walk::ddu>(b.u, j, b.k, at, end);
+    add_rows<&walk::v, &walk::dv, &walk::ddv>(b.v, j, b.k, at, end);
+#endif
     return;
   }
 #endif
@@ -275,38 +317,34 @@ struct block_part {
 
 // Positions of `count` pixels of the rows between two of a block, on a level `down` above its own: the hull of their ends, and an eighth of a unit for what
 // rows leave out.
-constexpr void widen(interval& x, int32_t a, int32_t b) {
-  x.low = min_of(x.low, min_of(a, b));
-  x.high = max_of(x.high, max_of(a, b));
-}
 SPANTEX_FRAME_APART constexpr void box_of_rows(const walk& top, const walk& bottom, int count, int down, box& out) {
   const int n = count - 1, pairs = n * (n - 1) / 2;
-  out = {{INT32_MAX, INT32_MIN}, {INT32_MAX, INT32_MIN}};
-  const walk* const rows[] = {&top, &bottom};
-  for (const walk* w : rows) {
-    widen(out.u, w->u, w->u + n * w->du + pairs * w->ddu);
-    widen(out.v, w->v, w->v + n * w->dv + pairs * w->ddv);
-  }
   const int32_t margin = scale_down(1 << 13, down) + 64;
-  out = {{out.u.low - margin, out.u.high + margin}, {out.v.low - margin, out.v.high + margin}};
+  const auto end = [&](int32_t start, int32_t step, int32_t bend) { return start + n * step + pairs * bend; };
+  const auto set_hull = [&](int32_t a, int32_t b, int32_t c, int32_t d, interval& x) {
+    x.low = min_of(min_of(a, b), min_of(c, d)) - margin;
+    x.high = max_of(max_of(a, b), max_of(c, d)) + margin;
+  };
+  set_hull(top.u, end(top.u, top.du, top.ddu), bottom.u, end(bottom.u, bottom.du, bottom.ddu), out.u);
+  set_hull(top.v, end(top.v, top.dv, top.ddv), bottom.v, end(bottom.v, bottom.dv, bottom.ddv), out.v);
 }
 
 }  // namespace detail
 
 inline namespace SPANTEX_ROWS_KERNELS {
 
-// One surface being drawn. Its memory is the caller's: `state`, 624 bytes on a core of 32 bits, 1192 with what DSP kernels work in, 1392 with those of Cortex-M0+.
+// One surface being drawn. Its memory is the caller's: `state`, 664 bytes on a core of 32 bits, 1232 with what DSP kernels work in, 1424 with those of Cortex-M0+.
 struct state {
   level_view fine, coarse;        // what runs need comes first: Cortex-M0+ reaches 31 words from an address
   level_walk at;
   level_run level;                // along a run between two levels
   source near, far;               // where it reads
   detail::copy within;            // the copy of both levels that it lies in
+  detail::block_part part;        // that is drawn
+  detail::box reach;              // of its positions
   block coordinates;
   centre about;                   // of the block
   walk rows[detail::strip_rows];  // of a strip of the block
-  detail::block_part part;        // that is drawn
-  detail::box reach;              // of its positions
   uint32_t masks[1 << largest_block_log2];  // of the block's rows; polygons
   rectangle area;                 // to be drawn
   scratch between;
@@ -374,7 +412,7 @@ constexpr void go_on_between(state& s, int n) {
 template <int Bits>
 [[gnu::noinline]] SPANTEX_WRAPS inline void place_copies(uint32_t* to, uint32_t* copies, int count, const walk& from, const level_view& t, int32_t base_u, int32_t base_v, uint32_t weight) {
   const uint32_t* const end = to + thumb1::trilinear_words * count;
-  if (t.masked && thumb1::is_straight(from)) {
+  if (t.masked && is_straight(from)) {
     const uint32_t pitch = 2 * t.width, across = pitch - 2, down = t.height - 1, du = from.du, dv = from.dv;
     const uint8_t* const map = reinterpret_cast<const uint8_t*>(t.texels);
     uint32_t u = from.u + (base_u << Bits), v = from.v + (base_v << Bits);
@@ -390,7 +428,6 @@ template <int Bits>
     copies = thumb1::place_copied(to, wrapped_texels(t, base_u + (at.u >> Bits), base_v + (at.v >> Bits)), copies, uint32_t(at.u) << (32 - Bits), uint32_t(at.v) << (32 - Bits) | weight);
 }
 
-inline constexpr int longest_seam = 16;
 SPANTEX_FRAME_APART inline void draw_seam(uint16_t* out, int count, state& s) {
   uint32_t *const to = s.between.words, *const copies = to + thumb1::trilinear_words * longest_seam;
   const level_walk& w = s.at;
@@ -405,7 +442,6 @@ SPANTEX_FRAME_APART inline void draw_seam(uint16_t* out, int count, state& s) {
 
 #else
 
-inline constexpr int longest_seam = longest_run;
 SPANTEX_FRAME_MERGED inline void draw_seam(uint16_t* out, int count, state& s) {
   for (; count > 0; --count) {
     *out++ = pixel_between(s.fine, s.coarse, s.at, s.level.start);
@@ -450,7 +486,7 @@ template <filter Kind>
   const int at = whole_level(first), fine = max_of(at, 0);
   while (whole_level(first + n - 1) != at) n = (n + 1) / 2;
   detail::set_offsets(b, fine, snap);
-  s.fine = level_of(t, fine);
+  set_level_view(t, fine, s.fine);
   w.base_u = detail::base_on(fine, b.u.base);
   w.base_v = detail::base_on(fine, b.v.base);
   w.at = s.rows[detail::row_in_strip(j)];
@@ -459,7 +495,7 @@ template <filter Kind>
   if (fine != b.unit_log2) w.at = detail::scaled(w.at, fine - b.unit_log2);
   if (first > 0) w.at = advanced(w.at, first);
   if (Kind == filter::mip_bilinear || at < 0 || at == t.last_level()) return {n, false};
-  s.coarse = level_of(t, fine + 1);
+  set_level_view(t, fine + 1, s.coarse);
   s.level = {level.start + first * level.step, level.step};
   return {n, true};
 }

@@ -19,21 +19,25 @@ constexpr uint64_t bound_of(const linear_form& f, int32_t rx, int32_t ry) { retu
 constexpr int64_t scaled_by(int64_t x, int drop) { return drop > 0 ? shift_right_symmetric(x, drop) : x * (int64_t(1) << -drop); }
 constexpr void scale(linear_form& f, int drop) { f = {scaled_by(f.x, drop), scaled_by(f.y, drop), scaled_by(f.c, drop)}; }
 
+// x hx + y hy + c about the origin of p. False out of range.
+SPANTEX_FRAME_APART constexpr bool set_about_origin(const plane& p, int64_t x, int64_t y, int64_t c, linear_form& out) {
+  if ((magnitude(x) | magnitude(y)) >> 40 != 0 || magnitude(c) >> 52 != 0) return false;
+  out = {x, y, x * p.origin_x + y * p.origin_y + 2 * c};
+  return true;
+}
+
 }  // namespace detail
 
 // The plane of make_plane(homography), without its exact forms; `Levels`: with what filters with levels need. Errors: as there; out_of_range.
 template <bool Levels>
 constexpr status make_small_plane(const homography64& m, rectangle region, plane& out) {
   if (!on_screen(region)) return status::bad_size;
-  const uint64_t slopes = magnitude(m.a) | magnitude(m.b) | magnitude(m.d) | magnitude(m.e) | magnitude(m.g) | magnitude(m.h);
-  if (slopes >> 40 != 0 || (magnitude(m.c) | magnitude(m.f) | magnitude(m.i)) >> 52 != 0) return status::out_of_range;
   const int32_t rx = region.x1 - region.x0 + 32, ry = region.y1 - region.y0 + 32;
   out.origin_x = region.x0 + region.x1;
   out.origin_y = region.y0 + region.y1;
-  const auto about = [&](int64_t x, int64_t y, int64_t c) { return linear_form{x, y, x * out.origin_x + y * out.origin_y + 2 * c}; };
-  out.u = about(m.a, m.b, m.c);
-  out.v = about(m.d, m.e, m.f);
-  out.w = about(m.g, m.h, m.i);
+  const bool in_range = detail::set_about_origin(out, m.a, m.b, m.c, out.u) && detail::set_about_origin(out, m.d, m.e, m.f, out.v) &&
+                        detail::set_about_origin(out, m.g, m.h, m.i, out.w);
+  if (!in_range) return status::out_of_range;
   const int w_bits = bit_length(detail::bound_of(out.w, rx, ry));
   if (w_bits == 0) return status::degenerate;
   const int drop = max_of(bit_length(detail::bound_of(out.u, rx, ry) | detail::bound_of(out.v, rx, ry)) - 59, w_bits - 45);
