@@ -2,7 +2,7 @@
 // The smallest programs, for their size: set-up of a plane and one filter into a frame buffer, memory from the caller. -DSPANTEX_FILTER=nearest or
 // another; what a feature adds: SPANTEX_ANY_MAP (nearest without a promise about the map), SPANTEX_POLYGONS, SPANTEX_WIDE (128-bit set-up),
 // SPANTEX_FORMAT=rgb888 or another (a target of that format, with blending and clip), SPANTEX_ANY_FORMAT (chosen at run time), SPANTEX_CAMERAS (planes that they see),
-// SPANTEX_PICTURE=rows::quad or another.
+// SPANTEX_PICTURE=rows::quad or another, SPANTEX_ANY_FILTER (of pictures, chosen at run time).
 #include <spantex/camera.hpp>
 #include <spantex/rows/draw.hpp>
 #include <spantex/rows/pictures.hpp>
@@ -58,6 +58,11 @@ int set_up_attitude(const attitude_camera& camera, const view& v, plane& out) { 
 int draw_picture(rows::picture_state& state, const target_type& frame, const SPANTEX_PICTURE& what, const texture_view& map) {
   return int(rows::draw<kind>(state, frame, what, map));
 }
+#ifdef SPANTEX_ANY_FILTER
+int draw_by_any_filter(filter by, rows::picture_state& state, const target_type& frame, const SPANTEX_PICTURE& what, const texture_view& map) {
+  return int(rows::draw_any(by, state, frame, what, map));
+}
+#endif
 #endif
 
 }  // extern "C"
