@@ -40,7 +40,14 @@ constexpr int bit_length(uint64_t x) { return x == 0 ? 0 : 64 - __builtin_clzll(
 
 SPANTEX_WRAPS constexpr uint64_t magnitude(int64_t x) { return x < 0 ? 0 - uint64_t(x) : uint64_t(x); }
 
-// 32 x 32 -> 64. ARMv6-M has products of 32 bits only; compilers call one of 64 bits there.
+// ARMv6-M has products of 32 bits only; compilers call one of 64 bits there.
+#if defined(__ARM_ARCH_6M__)
+constexpr bool products_are_calls = true;
+#else
+constexpr bool products_are_calls = false;
+#endif
+
+// 32 x 32 -> 64.
 constexpr uint64_t multiply_32(uint32_t a, uint32_t b) {
 #if defined(__ARM_ARCH_6M__)
   const uint32_t a0 = a & 0xFFFF, a1 = a >> 16, b0 = b & 0xFFFF, b1 = b >> 16;
@@ -62,7 +69,7 @@ SPANTEX_WRAPS constexpr int64_t multiply_in_pieces(int64_t a, int32_t b) {
 }
 // a b, which fits. ARMv6-M's compilers call a product of two numbers of 64 bits for it.
 #if defined(__ARM_ARCH_6M__) && !defined(__OPTIMIZE_SIZE__)
-[[gnu::noinline]] constexpr int64_t multiply_by_32(int64_t a, int32_t b) { return multiply_in_pieces(a, b); }
+[[gnu::noinline]] constexpr int64_t multiply_by_32(int64_t a, int32_t b) { return a == 0 ? 0 : multiply_in_pieces(a, b); }
 constexpr uint64_t multiply_by_31(uint64_t a, int32_t b) { return uint64_t(multiply_by_32(int64_t(a), b)); }
 #else
 constexpr int64_t multiply_by_32(int64_t a, int32_t b) { return a * b; }

@@ -50,6 +50,7 @@ SPANTEX_WRAPS constexpr void add_words(wide& sum, uint64_t low, uint64_t high) {
 
 // sum += a b, unsigned: four products of 32 bits, each added where it belongs.
 SPANTEX_FRAME_APART constexpr void accumulate(wide& sum, uint64_t a, uint64_t b) {
+  if (products_are_calls && (a == 0 || b == 0)) return;  // planes that face the viewer have many
   const uint32_t a0 = uint32_t(a), a1 = uint32_t(a >> 32), b0 = uint32_t(b), b1 = uint32_t(b >> 32);
   add_words(sum, multiply_32(a0, b0), multiply_32(a1, b1));
   const uint64_t first = multiply_32(a0, b1);
@@ -66,7 +67,9 @@ SPANTEX_FRAME_APART SPANTEX_WRAPS constexpr void add_product(wide& sum, int64_t 
 
 // The same of 128 x 64 bits. The caller guarantees that the product fits.
 SPANTEX_FRAME_APART SPANTEX_WRAPS constexpr void add_product(wide& sum, const wide& a, int64_t b) {
-  sum.high = int64_t(uint64_t(sum.high) + uint64_t(a.high) * uint64_t(b) - (b < 0 ? a.low : 0));
+  const bool small = products_are_calls && (a.high == 0 || a.high == -1);
+  const uint64_t top = small ? uint64_t(a.high) & (0 - uint64_t(b)) : uint64_t(a.high) * uint64_t(b);
+  sum.high = int64_t(uint64_t(sum.high) + top - (b < 0 ? a.low : 0));
   accumulate(sum, a.low, uint64_t(b));
 }
 
