@@ -52,6 +52,7 @@ GATES = [
     ("rows: masks wrap any width", F + "rows/run.hpp", "(width & (width - 1)) == 0 && (height", "width > 0 && (height", "rows", "kernels_draw*repeat", []),
     ("stored pixels as if in another column", F + "pixels.hpp", "++from, ++at.i, ++at.x) write_pixel<F>(at, *from, 255);", "++from, ++at.i) write_pixel<F>(at, *from, 255);", "rows_targets", "every_format*", []),
     ("rows: e^3 left out", F + "rows/block.hpp", "more = 3 * rr >> 2,", "more = 0 * rr >> 2,", "rows", "blocks_at*", []),
+    ("rows: slopes at the centre past 32 bits", F + "rows/block.hpp", "((c >> 1) * o.h >> 17)", "(c * o.h >> 18)", "rows", "blocks_at*", []),
     ("rows: third differences too small", F + "rows/block.hpp", "third = 6 * q.q3 >> 3 * z;", "third = 5 * q.q3 >> 3 * z;", "rows", "blocks_at*", []),
     ("rows: bends as of the first row", F + "rows/block.hpp", "2 * xxy >> (k - 1), 0, 0}", "0 * xxy >> (k - 1), 0, 0}", "rows", "blocks_at*", []),
     ("rows: steps of added rows from a row beside", F + "rows/run.hpp", "uint32_t step = r.step[0] + j.one * r.step[1]", "uint32_t step = r.step[0] + (j.one ^ 4) * r.step[1]", "rows", "rows_in_lanes*", []),

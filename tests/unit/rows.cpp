@@ -275,7 +275,8 @@ SPANTEX_CASE(blocks_at_their_limits_keep_their_bound) {
     const bool straight = n % 3 == 0;
     const int k = between(random, 1, straight ? 8 : 5), rows_log2 = between(random, 0, 5), width_of = (1 << k) - 1, height_of = (1 << rows_log2) - 1;
     const int64_t w = int64_t(1) << between(random, 40, 44);
-    const auto share = [&](int64_t x) { return n % 2 == 0 ? x : x / 1024 * random.between(0, 1024); };
+    const bool steepest = random.between(0, 1) == 0, farthest = random.between(0, 1) == 0, tie = random.between(0, 1) == 0;
+    const auto share = [&](int64_t x, bool all) { return all ? x : x / 1024 * random.between(0, 1024) >> random.between(0, 5); };
     const auto either_way = [&](int64_t x) { return random.between(0, 1) == 0 ? x : -x; };
     // All of `most`, some across and the rest down.
     const auto split = [&](int64_t most, bool down_alone, int64_t& across, int64_t& down) {
@@ -286,11 +287,11 @@ SPANTEX_CASE(blocks_at_their_limits_keep_their_bound) {
     plane p{};
     p.origin_x = 1 << k;
     p.origin_y = 1 << rows_log2;
-    split(share(w / 8), straight, p.w.x, p.w.y);
+    split(share(w / 8, steepest), straight, p.w.x, p.w.y);
     p.w.c = w;
     for (linear_form* f : {&p.u, &p.v}) {
-      const int64_t c = random.between(-w / 2, w / 2), base = random.between(-1000, 1000);
-      split(share((straight ? 256 : 96) * w - w), false, f->x, f->y);
+      const int64_t c = tie ? either_way(w / 2) : random.between(-w / 2, w / 2), base = random.between(-1000, 1000);  // half a texel: the base may be either
+      split(share((straight ? 256 : 96) * w - w, farthest), false, f->x, f->y);
       *f = {f->x + base * p.w.x, f->y + base * p.w.y, c + base * w};
     }
     rows::centre about{};

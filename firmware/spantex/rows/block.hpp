@@ -6,8 +6,8 @@
 // polynomial of second degree with integer coefficients,
 //   u(i) = start + i step + i (i - 1)/2 bend        2^-16 texel, exactly,
 // so a pixel takes two additions a coordinate and the order of evaluation cannot matter. Start, step and bend are polynomials of the row's number, of third,
-// second and first degree, by forward differences: exact sums of 32 bits again. A block is as large as that is true to 2^-row_tolerance_bits texel.
-// Products fit 32 bits: the same on Cortex-M0+ as with DSP instructions.
+// second and first degree, by forward differences: exact sums of 32 bits again. A block is as large as that is true to about 2^-row_tolerance_bits texel in either
+// of two ways (by_bends()). Products fit 32 bits: the same on Cortex-M0+ as with DSP instructions.
 #pragma once
 #include <stdint.h>
 
@@ -219,8 +219,8 @@ constexpr void set_axis(const centre_axis& x, const quotients& by_w, const block
   const int32_t c = by_w.at(x.c), b = o.n == 0 ? 0 : by_w.slope(x.b, o.n);
   out.base = x.base;
   out.rows.start[0] = uint32_t(c);
-  out.rows.start[1] = uint32_t(b - (c * o.h >> 18));
-  out.rows.step[0] = uint32_t(by_w.slope(x.a, o.k) - (c * o.g >> 18));
+  out.rows.start[1] = uint32_t(b - ((c >> 1) * o.h >> 17));  // |c| is a bit more than 2^15 at most, |h| 2^16
+  out.rows.step[0] = uint32_t(by_w.slope(x.a, o.k) - ((c >> 1) * o.g >> 17));
 }
 // Of a single pixel.
 constexpr void set_point(const centre_axis& x, const quotients& by_w, block_axis& out) {
@@ -247,8 +247,8 @@ struct bend_terms {
   int32_t third;             // of S g^2 hx^3: the line's share
 };
 
-// About the centre u = c + L / (1 + e), L = S hx + T hy, e = g hx + h hy, |e| <= r. 1/(1 + e) is replaced by a polynomial of second degree, which is off by (r^3)/4,
-// and the term S g^2 hx^3 of the product by its best line: a quarter of it is left. What becomes of a block where either is too large; else the polynomial.
+// About the centre u = c + L / (1 + e), L = S hx + T hy, e = g hx + h hy, |e| <= r. 1/(1 + e) is replaced by a polynomial of second degree, which is off by 0.328 r^3
+// at most, and the term S g^2 hx^3 of the product by its best line: a quarter of it is left. What becomes of a block where either is too large; else the polynomial.
 SPANTEX_FRAME_APART constexpr outcome by_bends(const block& o, bend_terms& out) {
   const int k = o.k, n = o.n;
   const int32_t x = reached(size_of(o.g), k), y = reached(size_of(o.h), n), r = x + y, rr = r * r >> 18;  // 2^-18, r at most 2^15
@@ -264,7 +264,7 @@ SPANTEX_FRAME_APART constexpr outcome by_bends(const block& o, bend_terms& out) 
 
 // Row 0 and `count` - 1 differences of q0 + q1 y - q2 y^2 + q3 y^3, y = hy / 2^n.
 struct polynomial { int32_t q0, q1, q2, q3; };
-SPANTEX_WRAPS SPANTEX_FRAME_APART constexpr void set_differences(const polynomial& q, int n, int count, uint32_t* out) {
+SPANTEX_FRAME_APART constexpr void set_differences(const polynomial& q, int n, int count, uint32_t* out) {
   const auto down = [&](int32_t x) { return reached(x, n); };
   const int z = max_of(n - 1, 0);
   const int32_t to_middle = (1 << z) - 1, first = q.q1 >> z, second = -(2 * q.q2 >> 2 * z), third = 6 * q.q3 >> 3 * z;  // about the middle
