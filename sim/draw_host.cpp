@@ -31,7 +31,7 @@ struct prepared {
 
 bool has_kernel(const scene& s, const draw_options& o) {
   return o.profile == profile_choice::standard && o.engine == engine_choice::direct && o.space == sampling_space::screen && kernels::draws(o.kind) && !o.single_half &&
-         o.port == nullptr && o.changes == profile_changes{} && o.how.alpha == alpha_mode::opaque && o.how.colour == white && o.skips == usual_skips &&
+         o.port == nullptr && o.changes == profile_changes{{}, o.changes.max_samples, {}, {}} && o.how.alpha == alpha_mode::opaque && o.how.colour == white && o.skips == usual_skips &&
          (o.kind == filter::nearest || std::all_of(s.maps->begin(), s.maps->end(), [](const texture_map& map) { return map.view_on_demand().colours() == colour_space::coded; })) &&
          kernels::kernel_of(o.kernel) != nullptr;
 }

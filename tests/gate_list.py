@@ -118,6 +118,7 @@ GATES = [
     ("a vector kernel's lanes all on the first one's level", "hal/kernels/vectors/spans.hpp", "out = whole == set(level[k]) ? on(level[k]) : out;", "out = out;", "kernels", "levels_that*", KERNELS),
     ("a vector kernel's samples not counted", "hal/kernels/vectors/pixels.hpp", "if (!every_one) x &=", "if (!every_one) (void)", "kernels", "random_planes*", KERNELS),
     ("a vector kernel's mean half up", "hal/kernels/vectors/pixels.hpp", "whole - (v((whole * n) << 15 == t) & whole & 1)", "whole", "kernels", "random_planes*", KERNELS),
+    ("vector kernels: sixteen samples whatever is asked for", "hal/kernels/vectors/aniso.hpp", "set(work.most_ratio)), set(0))", "set(4 << 16)), set(0))", "kernels", "rows_of_fewer*", KERNELS),
     ("a vector kernel's rows as long as they like", "hal/kernels/vectors/aniso.hpp", "limit - reach_of(c)", "8192", "kernels", "rows_beyond*", KERNELS),
     ("a vector kernel's texels before the division", "hal/kernels/vectors/common.hpp", "extent + (extent >> (-1 - c.slope_log2)) + 1", "extent", "kernels", "texels_after*", KERNELS),
     ("kernels of other flags under one name", "firmware/spantex/rows/packed.hpp", "define SPANTEX_ROWS_KERNELS with_thumb1", "define SPANTEX_ROWS_KERNELS plain", "scripts", "mixed_flags", []),

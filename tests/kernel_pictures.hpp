@@ -43,17 +43,19 @@ struct ready_map {
 };
 
 // By the engine, then by every kernel: the same bytes. A kernel may leave so many spans to the engine.
-void draw_all(const plane& p, const ready_map& map, filter kind, rectangle area, int32_t width, int32_t height, uint64_t most_left = UINT64_MAX) {
+template <class Prof>
+void draw_all_by(const Prof& numbers, const plane& p, const ready_map& map, filter kind, rectangle area, int32_t width, int32_t height, uint64_t most_left = UINT64_MAX) {
+  using engine_by = direct_engine<Prof, prof::max_fine_side>;
   by_scalar.reset(width, height);
-  engine_type engine;
-  renderer_type r(engine, prof{}, by_scalar.frame());
+  engine_by engine(numbers);
+  renderer<engine_by, Prof> r(engine, numbers, by_scalar.frame());
   SPANTEX_ASSERT_OK(r.draw(p, map.view, kind, area));
   SPANTEX_ASSERT_OK(r.finish());
   for (const named_kernel& k : every_kernel) {
     if (kernels::kernel_of(k.which) == nullptr) continue;
     by_kernel.reset(width, height);
-    engine_type other;
-    renderer_type rest(other, prof{}, by_kernel.frame());
+    engine_by other(numbers);
+    renderer<engine_by, Prof> rest(other, numbers, by_kernel.frame());
     draw_counters counts;
     SPANTEX_ASSERT_OK(kernels::draw_plane(kernels::kernel_of(k.which), map.of(k.which), rest, p, map.view, kind, area, by_kernel.frame(), counts));
     SPANTEX_ASSERT_OK(rest.finish());
@@ -61,6 +63,10 @@ void draw_all(const plane& p, const ready_map& map, filter kind, rectangle area,
     if (by_kernel.pixels != by_scalar.pixels) fail_msg("%s, filter %d: not the engine's bytes", k.name, int(kind));
     assert_true(span_count(area) - counts.jobs <= most_left);
   }
+}
+
+void draw_all(const plane& p, const ready_map& map, filter kind, rectangle area, int32_t width, int32_t height, uint64_t most_left = UINT64_MAX) {
+  draw_all_by(prof{}, p, map, kind, area, width, height, most_left);
 }
 
 // Neither turned nor divided: from texel (u, v) on, steps of texels a pixel.

@@ -57,6 +57,8 @@ class renderer {
   constexpr renderer(Engine& engine, const Prof& prof, const frame_buffer& frame, const Skips& skips = {}, const Reads& reads = {})
       : engine_(engine), prof_(prof), frame_(frame), skips_(skips), reads_(reads) {}
 
+  constexpr const profile& numbers() const { return prof_.get(); }
+
   // Use one half only: what double buffering hides becomes visible.
   constexpr void single_half(bool on) { single_half_ = on; }
 

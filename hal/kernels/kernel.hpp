@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Host kernels: whole rows of spans of a plane at once, profile default, the same bytes as the scalar datapath (docs/SPEC.md). A kernel draws the
+// Host kernels: whole rows of spans of a plane at once, profile default (aniso: with any max_samples), the same bytes as the scalar datapath (docs/SPEC.md). A kernel draws the
 // spans it is made for and says which it left; rows.hpp draws those through the scalar engine.
 #pragma once
 #include <stdint.h>
@@ -25,6 +25,7 @@ struct row_work {
   rgba8* pixels;           // of the frame: pixel (0, 0)
   int32_t stride;
   bool* left;              // count of them, false (unless `upright`): the kernel sets those of spans that it did not draw
+  int32_t most_ratio = 4 << 16;    // log2_16(max_samples): of the axes of rows of samples (aniso)
   upright_row* upright = nullptr;  // what is known of the whole row (upright.hpp): then the kernel draws all of them and sets none of `left`
 };
 

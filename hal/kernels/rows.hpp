@@ -39,6 +39,7 @@ status draw_rows(row_kernel kernel, const planar_map& texels, Renderer& scalar, 
     cover(area, first, count, sy, row);
     if (row.from >= row.to) continue;
     row_work work{s.map, &texels, s.kind, s.texture->last_level(), first + row.from, sy, row.to - row.from, row.mask + row.from, frame.pixels, frame.stride, left + row.from};
+    work.most_ratio = log2_16(uint64_t(scalar.numbers().max_samples));
     const int32_t y = sy * span_side;
     const shortcut known = everywhere.how != shortcut::way::none ? everywhere : shortcut_of(s, texels, intersection(area, {area.x0, y, area.x1, y + span_side}));
     if (known.how != shortcut::way::none) {
@@ -61,7 +62,7 @@ status draw_rows(row_kernel kernel, const planar_map& texels, Renderer& scalar, 
 
 }  // namespace detail
 
-// Draws the part of the plane in front of the viewer inside `area` of the frame. `texels` is made of the view `t`; profile default, opaque pixels, colours as
+// Draws the part of the plane in front of the viewer inside `area` of the frame. `texels` is made of the view `t`; profile default but for max_samples, opaque pixels, colours as
 // coded. Spans looked at are counted in `counts`, and jobs and pixels of the kernel; those of the rest in the renderer's own counters.
 template <class Renderer, class... How>
 status draw_plane(row_kernel kernel, const planar_map& texels, Renderer& scalar, const plane& p, const texture_view& t, filter kind, rectangle area,

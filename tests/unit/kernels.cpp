@@ -36,6 +36,20 @@ SPANTEX_CASE(random_planes_and_maps_of_any_size) {
     }
 }
 
+// Aniso with fewer samples than 16.
+SPANTEX_CASE(rows_of_fewer_samples) {
+  random_source random(21);
+  run_time_profile few{profiles::standard};
+  for (const int32_t side : {512, 300}) {
+    const ready_map map(random_map(side, side), side == 512 ? wrap::repeat : wrap::mirror);
+    for (few.value.max_samples = 1; few.value.max_samples <= 16; few.value.max_samples += short_run() && few.value.max_samples > 4 ? 4 : 1)
+      for (int k = 0; k < 6; ++k) {
+        plane p = sample_plane(k % 3);
+        if (k < 3 || random_plane(random, {0, 0, 203, 101}, p)) draw_all_by(few, p, map, filter::aniso, {0, 0, 203, 101}, 203, 101);
+      }
+  }
+}
+
 // Levels of detail other than the first two, and from one to the next.
 SPANTEX_CASE(minified_planes) {
   static constexpr int32_t sides[][2] = {{512, 512}, {500, 375}};
@@ -323,6 +337,7 @@ int main() {
       cmocka_unit_test(a_machine_has_words_and_its_own),
       cmocka_unit_test(ordinary_planes_are_drawn_by_the_kernel_alone),
       cmocka_unit_test(random_planes_and_maps_of_any_size),
+      cmocka_unit_test(rows_of_fewer_samples),
       cmocka_unit_test(minified_planes),
       cmocka_unit_test(turned_planes_between_levels),
       cmocka_unit_test(levels_that_do_not_halve_exactly),

@@ -3,7 +3,9 @@
 #include <math.h>
 #include <stdio.h>
 
+#include <algorithm>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -29,6 +31,7 @@ struct bench_options {
   std::string matrix, size = "640x480", out;
   bench_maps maps;
   int rounds = 9;
+  std::optional<int> samples;
   bool growth = false, counts = false, draws_only = false;
 };
 
@@ -47,11 +50,15 @@ bench_choice choice_of(const bench_options& o) {
   constexpr int most_rounds = 1000;
   if (o.rounds < 1 || o.rounds > most_rounds) throw sim::input_error("--repeat: outside 1.." + std::to_string(most_rounds));
   bench_choice c{chosen(sim::filter_names, o.filters, "filter"), chosen(sim::profile_names, o.profiles, "profile"),
-                 chosen(sim::kernel_names, o.kernels, "kernel"), o.rounds};
+                 chosen(sim::kernel_names, o.kernels, "kernel"), o.rounds, o.samples};
   std::erase(c.kernels, kernels::choice::fastest);  // every kernel under its own name
   if (c.kernels.empty()) throw sim::input_error("--kernels: fastest is one of the others; name them, or all");
   for (const filter kind : c.filters)
     if (kind == filter::contour) throw sim::input_error("--filters: contour is a coverage, the reference has none");
+  if (o.samples) {
+    if (std::count(c.filters.begin(), c.filters.end(), filter::aniso) == 0) throw sim::input_error("--samples: only filter aniso has them");
+    check_changes({{}, o.samples, {}, {}}, filter::aniso);
+  }
   return c;
 }
 
@@ -100,6 +107,7 @@ void print_heading(const bench_machine& m, const bench_options& o, const peer_li
   printf("%s, %d processors, load %.1f before, %s, %s\n", m.processor.c_str(), m.processors, m.load, m.system.c_str(), m.date.c_str());
   printf("commit %s, %s\n", m.commit.c_str(), build_text(m).c_str());
   printf("one thread for everybody, %s pixels, at most %d turns each, medians, quartiles and least of ns a pixel\n", o.size.c_str(), o.rounds);
+  if (o.samples) printf("ours by aniso: at most %d samples a pixel\n", *o.samples);
   for (const auto& p : peers) printf("peer %s: %s\n", p->name(), p->version());
   printf("\n%-8s %-12s %-9s %-8s %-8s %8s %17s %8s %7s %6s %8s %7s %7s\n", "scene", "filter", "drawer", "profile", "kernel", "ns", "quartiles", "least", "rms",
          "worst", "PSNR dB", "words", "ours dB");
@@ -161,7 +169,7 @@ void measure(const bench_options& o) {
   print_ratios(ratios);
   if (o.growth) print_growth(curves);
   if (!out.wanted()) return;
-  json all{{"machine", to_json(machine)}, {"size", o.size}, {"peers", json::array()}, {"rows", json::array()}, {"ratios", json::array()}, {"growth", json::array()}};
+  json all{{"machine", to_json(machine)}, {"size", o.size}, {"samples", o.samples.value_or(max_footprint_samples)}, {"peers", json::array()}, {"rows", json::array()}, {"ratios", json::array()}, {"growth", json::array()}};
   for (const auto& p : peers) all["peers"].push_back({{"name", p->name()}, {"version", p->version()}});
   for (const bench_row& r : rows) all["rows"].push_back(to_json(r));
   for (const bench_ratio& r : ratios) all["ratios"].push_back(to_json(r));
@@ -189,6 +197,7 @@ void add_bench_command(CLI::App& app) {
       sub.add_option("--texture", o->maps.texture, "map of the planes instead of a built-in one"),
       sub.add_option("--models", o->maps.models, "folder of assimp's test models")->capture_default_str(),
       sub.add_option("--size", o->size, "picture size, WxH")->capture_default_str(),
+      sub.add_option("--samples", o->samples, "ours, filter aniso: at most so many samples along a footprint, 1..16"),
       sub.add_option("--repeat", o->rounds, "turns of each; of slow ones (20 ms a picture) three at most")->capture_default_str(),
       sub.add_flag("--growth", o->growth, "also how cost grows with pixels, polygons, map size and overdraw"),
       sub.add_option("--json", o->out, "everything measured, as JSON"),

@@ -124,6 +124,7 @@ contest contestants(const sim::scene& s, filter kind, const bench_choice& choice
       o.kind = kind;
       o.profile = profile;
       o.kernel = kernel;
+      if (kind == filter::aniso) o.changes.max_samples = choice.max_samples;
       o.background = background;
       all.ours.push_back(std::make_unique<our_contestant>(s, o));
     }

@@ -36,6 +36,7 @@ struct bench_choice {
   std::vector<sim::profile_choice> profiles;
   std::vector<kernels::choice> kernels;
   int rounds;
+  std::optional<int> max_samples;  // of ours, filter aniso
 };
 
 // All rows of a scene. `step` is called as each filter is done.

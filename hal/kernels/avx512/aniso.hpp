@@ -3,7 +3,7 @@
 // take together; rows of more than `most_samples` are too long for it as a rule: a span with one is left. Included by ../avx512.cpp alone.
 #pragma once
 
-static_assert(q.max_samples == 16 && q.sample_bias == -8, "finer() as in levels.hpp");
+static_assert(q.max_samples == 16 && q.sample_bias == -8, "row_work::most_ratio; finer() as in levels.hpp");
 
 constexpr int most_samples = 4;
 
@@ -56,13 +56,13 @@ SPANTEX_INLINE v16 axis_log2_16(v16 u, v16 v, int exponent) {
 }
 
 // shape_of() a quad's pixels: levels, and log2 of the ratio of the axes.
-SPANTEX_INLINE void shapes_of(v16 nu, v16 nv, v16 e, int exponent, int32_t area_log2, bool flat, int32_t last_level, v16& level, v16& ratio) {
+SPANTEX_INLINE void shapes_of(v16 nu, v16 nv, v16 e, int exponent, int32_t area_log2, bool flat, const row_work& work, v16& level, v16& ratio) {
   const v16 zero = _mm512_setzero_si512(), log_w = flat ? zero : _mm512_sub_epi32(log2_of(_mm512_add_epi32(e, of32<1 << 30>())), of32<30 << 16>());
   const v16 length = axis_log2_16(nu, nv, exponent), major = _mm512_sub_epi32(length, _mm512_slli_epi32(log_w, 1));
   constexpr int32_t bias = q.sample_bias * (1 << 12);
   const v16 stretch = _mm512_sub_epi32(_mm512_sub_epi32(_mm512_slli_epi32(length, 1), set32(area_log2)), log_w);
-  ratio = _mm512_max_epi32(_mm512_min_epi32(_mm512_min_epi32(stretch, _mm512_sub_epi32(major, of32<bias>())), of32<4 << 16>()), zero);
-  level = detail_of(_mm512_sub_epi32(major, ratio), set32(last_level << q.level_bits));
+  ratio = _mm512_max_epi32(_mm512_min_epi32(_mm512_min_epi32(stretch, _mm512_sub_epi32(major, of32<bias>())), set32(work.most_ratio)), zero);
+  level = detail_of(_mm512_sub_epi32(major, ratio), set32(work.last_level << q.level_bits));
 }
 
 SPANTEX_INLINE v16 samples_of(v16 ratio) {
@@ -226,7 +226,7 @@ SPANTEX_INLINE bool draw_aniso(const row_work& work, const batch& b, int k) {
 #pragma GCC unroll 4
   for (int n = 0; n < quads; ++n) {
     v16 ratio;
-    shapes_of(nu[n], nv[n], o.e[n], b.axis_exponent[k], b.area_log2[k], flat, work.last_level, span.level[n], ratio);
+    shapes_of(nu[n], nv[n], o.e[n], b.axis_exponent[k], b.area_log2[k], flat, work, span.level[n], ratio);
     span.samples[n] = samples_of(ratio);
     largest = _mm512_max_epi32(largest, ratio);
     if (some_take(of32<least_ratio_of(most_samples + 1)>())) return false;

@@ -3,7 +3,7 @@
 // are neighbouring pixels, and take a sample each at a time. Included by the machines' files alone.
 #pragma once
 
-static_assert(q.max_samples == 16 && q.sample_bias == -8, "tables of 16; finer() as in positions.hpp");
+static_assert(q.max_samples == 16 && q.sample_bias == -8, "row_work::most_ratio, tables of 16; finer() as in positions.hpp");
 
 // By ratio of the axes, a step of 2^-4: how many samples the step begins with, in the upper half, and from where on in it they are one more.
 constexpr int ratio_step_bits = 12, ratio_steps = 4 << (16 - ratio_step_bits);
@@ -23,6 +23,14 @@ struct sample_counts {
   }
 };
 constexpr sample_counts counts{};
+
+// The clamp of the ratio is one of the number of samples.
+constexpr bool ratios_limit_samples() {
+  for (int most = 1; most <= q.max_samples; ++most)
+    if (sample_counts::at(log2_16(uint64_t(most))) > most) return false;
+  return true;
+}
+static_assert(ratios_limit_samples());
 
 // By number of samples.
 struct sample_fractions {
@@ -48,7 +56,7 @@ static_assert(inverses_divide());
 struct alignas(64) span_rows { int32_t n_u[span_pixel_count], n_v[span_pixel_count], w[span_pixel_count], samples[span_pixel_count], u[span_pixel_count], v[span_pixel_count]; };
 
 // shape_of(): levels of detail and numbers of samples. False where a vector is zero.
-SPANTEX_INLINE bool find_shapes(const span_coefficients& c, level_number* level, span_rows& out, bool& several) {
+SPANTEX_INLINE bool find_shapes(const row_work& work, const span_coefficients& c, level_number* level, span_rows& out, bool& several) {
   const axis_terms& t = c.axis;
   const bool flat = (c.g | c.h) == 0;
   const int32_t area = t.area_log2 * (1 << (16 - level_term_bits)), most = int32_t(c.last_level) << q.level_bits, whole = (1 - t.exponent) * (1 << 16);
@@ -66,7 +74,7 @@ SPANTEX_INLINE bool find_shapes(const span_coefficients& c, level_number* level,
       v bits;
       nonzero &= normalised(squares, &bits);
       const v length = half_log2_of(bits) + whole, log_w = flat ? set(0) : log2_of_w(nw.at), major = length - (log_w << 1);
-      const v ratio = largest(least(least((length << 1) - area - log_w, major - bias), set(4 << 16)), set(0)), minor = major - ratio;
+      const v ratio = largest(least(least((length << 1) - area - log_w, major - bias), set(work.most_ratio)), set(0)), minor = major - ratio;
       put(level + at, detail_of(minor, most));
       const v step = look_up(counts.step, ratio >> ratio_step_bits);
       const v samples = (step >> 16) - v((ratio & ((1 << ratio_step_bits) - 1)) >= (step & 0xFFFF));
@@ -172,7 +180,7 @@ template <bool MasksOnly>
   span_rows rows;
   bool several = false;
   span_axis(q, c);
-  if (!find_shapes(c, p.level, rows, several)) return false;
+  if (!find_shapes(work, c, p.level, rows, several)) return false;
   const int coarsest = MasksOnly ? 0 : pixels.coarsest();
   if (!MasksOnly && !in_reach(map, coarsest, reach_of(c), p)) return false;
   const auto rows_within = [&](int32_t limit) SPANTEX_INLINED { return find_rows(c, 2 * max_of(0, min_of(longest_row / 2, limit - reach_of(c))), rows); };
