@@ -164,7 +164,7 @@ constexpr int32_t inverse_of(uint32_t m) {
 
 // n / W in the upper word of a product of numbers cut to 31 bits (floor), |n| < 2^(31 + drop); then to nearest.
 constexpr int32_t quotient_of(int64_t n, int drop, int32_t inverse, int shift) {
-  const int32_t x = drop >= 0 ? int32_t(n >> drop) : int32_t(n) * (1 << -drop);
+  const int32_t x = drop >= 0 ? int32_t(n >> drop) : int32_t(uint32_t(n) << (-drop & 31));  // n = 0 where drop < -31
   return shift_right(upper_word(x, inverse), shift);
 }
 
