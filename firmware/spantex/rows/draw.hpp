@@ -259,10 +259,8 @@ class painter {
   [[gnu::always_inline]] void each_walk(const block_part& part, const Row& draw_row) {
     if constexpr (plain_rows) {
       const int first = part.left, count = part.right - first;
-      const row_list rows = list_of(part);
-      texel565* out = rows.out;
       int j = part.top;
-      for (const walk* w = rows.first; w != rows.end; ++w, ++j, out += rows.stride) draw_row(out, first, count, j, *w);
+      each_row_of(list_of(part), [&](texel565* out, const walk& w) __attribute__((always_inline)) { draw_row(out, first, count, j++, w); });
     } else {
       each_walk_of(part, draw_row);
     }
