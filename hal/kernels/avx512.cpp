@@ -63,6 +63,7 @@ namespace by_blocks {
 #include "avx512/log2.hpp"
 #include "avx512/batch.hpp"
 #include "avx512/columns.hpp"
+#include "avx512/places.hpp"
 #include "avx512/plan.hpp"
 #include "avx512/positions.hpp"
 #include "avx512/levels.hpp"
@@ -113,25 +114,22 @@ class batch_order {
   const bool some_beyond_;
 };
 
-// The batch from span `first` of the row on, planned in three parts, between which there is something else to do.
+// The batch from span `first` of the row on, planned in parts, between which there is something else to do.
 template <filter Kind>
 struct next_batch {
   const row_work& work;
-  int first;
+  const batch_steps& steps;
+  setup& s;
+  const int first;
   batch& b;
-  setup s;
 
   SPANTEX_INLINE void part(int k) {
     if (first >= work.count) return;
     if (k == 0) {
       b.sx = work.sx + first;
       b.first = first;
-      plan_bases(work, b.sx, s);
-    } else if (k == 1) {
-      plan_mantissas<Kind>(work, s, b);
-    } else {
-      plan_evaluation<Kind>(work, s, b);
     }
+    plan_part<Kind>(k, work, steps, s, b);
   }
 };
 
@@ -140,9 +138,7 @@ template <filter Kind, int Channels>
 SPANTEX_INLINE void draw_batch(const row_work& work, const batch& b, uint32_t spans, next_batch<Kind>& next) {
   bool held = true;  // a span after one that local memory does not hold is left as well: it is like it as a rule
   for (int k = 0; k < batch_size; ++k) {
-    if (k == 1) next.part(0);
-    if (k == 3) next.part(1);
-    if (k == 6) next.part(2);
+    if (k < plan_parts) next.part(k);
     if (!(spans >> k & 1)) continue;
     if constexpr (Kind == filter::nearest) held = draw_nearest(work, b, k);
     else if constexpr (Kind == filter::bilinear) held = held && draw_bilinear<Channels>(work, b, k);
@@ -156,27 +152,41 @@ template <filter Kind, int Channels>
 SPANTEX_INLINE void draw_batch_on_levels(const row_work& work, const batch& b, uint32_t spans, next_batch<Kind>& next) {
   constexpr bool two = Kind == filter::trilinear;
   level_span of[batch_size];
-  uint32_t scaled = 0;
+  batch_places places;
+  alignas(32) int32_t whole[batch_size] = {};
+  uint32_t scaled = 0, alike = 0, alone = 0;
   const auto each = [](uint32_t some, auto&& step) SPANTEX_INLINED {
     for (int k = 0; k < batch_size; ++k)
       if (some >> k & 1) step(k);
   };
   each(spans & ~b.magnified, [&](int k) SPANTEX_INLINED { of[k].lengths = lengths_of(b, k); });
-  next.part(0);
-  each(spans, [&](int k) SPANTEX_INLINED {
-    offsets o = offsets_of(b, k);
+  const bool some_unlike = work.texels->levels_in_rows().exact_count() <= work.last_level;
+  each(0xFF, [&](int k) SPANTEX_INLINED {
+    if (k < plan_parts) next.part(k);
+    if (!(spans >> k & 1)) return;
+    offsets o = forms_of(b, k);
+    const slopes16 w(o.e);
+    evaluate(b, k, w, o);
     take(o, of[k]);
-    if (b.magnified >> k & 1)
+    if (b.magnified >> k & 1) {
       for (v16& level : of[k].level) level = _mm512_setzero_si512();
-    else
-      levels_of(work, of[k].lengths, b.slope_log2[k], o.e, of[k].level);
-    scaled |= uint32_t(on_unlike_levels<two>(*work.texels, of[k].level)) << k;
+      alike |= 1u << k;
+      alone |= 1u << k;
+      return;
+    }
+    levels_of(work, of[k].lengths, b.slope_log2[k], b.series_drop[k], o.e, w, of[k].level);
+    if (some_unlike) scaled |= uint32_t(on_unlike_levels<two>(*work.texels, of[k].level)) << k;
+    const common_level common = common_level_of<two>(of[k].level);
+    whole[k] = common.whole;
+    alike |= uint32_t(common.alike) << k;
+    alone |= uint32_t(common.alone) << k;
   });
   spans &= ~scaled;
-  next.part(1);
-  each(spans, [&](int k) SPANTEX_INLINED { place_span<two>(work, b, k, of[k]); });
-  next.part(2);
-  each(spans, [&](int k) SPANTEX_INLINED {
+  place_alike(work, b, spans & alike, alone, whole, places);
+  const uint32_t others = spans & ~places.placed;
+  each(others, [&](int k) SPANTEX_INLINED { place_span<two>(work, b, k, of[k]); });
+  each(spans & places.placed, [&](int k) SPANTEX_INLINED { blend_alike<two, Channels>(work, b, k, alone >> k & 1, of[k], places); });
+  each(others, [&](int k) SPANTEX_INLINED {
     if (!blend_span<two, Channels>(work, b, k, of[k])) work.left[b.first + k] = true;
   });
   each(scaled, [&](int k) SPANTEX_INLINED {
@@ -188,13 +198,17 @@ SPANTEX_INLINE void draw_batch_on_levels(const row_work& work, const batch& b, u
 template <filter Kind, int Channels>
 void draw_row(const row_work& work) {
   const batch_order order(work, Kind);
+  const int begin = order.next(0);
+  if (begin >= work.count) return;  // without an operation of 512 bits: what draws the row instead is slower after one
+  const batch_steps steps(*work.map);
   batch two[2];
-  next_batch<Kind> start{work, order.next(0), two[0], {}};
-  for (int k = 0; k < 3; ++k) start.part(k);
-  for (int first = start.first, after, turn = 0; first < work.count; first = after, turn ^= 1) {
+  setup s;
+  next_batch<Kind> start{work, steps, s, begin, two[0]};
+  for (int k = 0; k < plan_parts; ++k) start.part(k);
+  for (int first = begin, after, turn = 0; first < work.count; first = after, turn ^= 1) {
     const batch& b = two[turn];
     after = order.next(first + batch_size);
-    next_batch<Kind> next{work, after, two[turn ^ 1], {}};
+    next_batch<Kind> next{work, steps, s, after, two[turn ^ 1]};
     uint32_t spans = 0;
     for (int k = 0; k < min_of(batch_size, work.count - first); ++k) {
       if (work.masks[first + k] == 0) continue;

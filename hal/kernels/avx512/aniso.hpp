@@ -62,7 +62,7 @@ SPANTEX_INLINE void shapes_of(v16 nu, v16 nv, v16 e, int exponent, int32_t area_
   constexpr int32_t bias = q.sample_bias * (1 << 12);
   const v16 stretch = _mm512_sub_epi32(_mm512_sub_epi32(_mm512_slli_epi32(length, 1), set32(area_log2)), log_w);
   ratio = _mm512_max_epi32(_mm512_min_epi32(_mm512_min_epi32(stretch, _mm512_sub_epi32(major, of32<bias>())), set32(work.most_ratio)), zero);
-  level = detail_of(_mm512_sub_epi32(major, ratio), set32(work.last_level << q.level_bits));
+  level = detail_of(_mm512_add_epi32(_mm512_sub_epi32(major, ratio), of32<detail_half>()), set32(work.last_level << q.level_bits));
 }
 
 SPANTEX_INLINE v16 samples_of(v16 ratio) {
@@ -76,22 +76,21 @@ SPANTEX_INLINE v16 samples_of(v16 ratio) {
 struct lengths32 { v8 even, odd; };
 SPANTEX_INLINE lengths32 over_square(v16 n, const reciprocals16& r, int drop) {
   const v16 m = _mm512_abs_epi32(n);
-  const v8 half = of64<1 << (q.reciprocal_bits - 1)>(), half_scale = set(int64_t(1) << (drop - 1));
+  const v8 half = of64<1 << (q.reciprocal_bits - 1)>(), half_scale = set(int64_t(1) << (drop - 1)), scale = set(drop);
   const auto one = [&](v8 x, v8 y) {
     x = _mm512_srli_epi64(_mm512_add_epi64(_mm512_mul_epu32(x, y), half), q.reciprocal_bits);
     x = _mm512_srli_epi64(_mm512_add_epi64(_mm512_mul_epu32(x, y), half), q.reciprocal_bits);
-    return _mm512_srl_epi64(_mm512_add_epi64(x, half_scale), _mm_cvtsi32_si128(drop));
+    return _mm512_srlv_epi64(_mm512_add_epi64(x, half_scale), scale);
   };
   return {one(m, r.even), one(_mm512_srli_epi64(m, 32), r.odd)};
 }
 
-// sample_offset(): length m 2^-16, symmetric; the sign is n's.
-SPANTEX_INLINE v16 along16(const lengths32& length, v16 m, v16 n) {
+// sample_offset(): length m 2^-16, without its sign.
+SPANTEX_INLINE v16 along16(const lengths32& length, v16 m) {
   const v8 half = of64<0x8000>();
   const v8 even = _mm512_srli_epi64(_mm512_add_epi64(_mm512_mul_epu32(length.even, m), half), 16);
   const v8 odd = _mm512_slli_epi64(_mm512_add_epi64(_mm512_mul_epu32(length.odd, _mm512_srli_epi64(m, 32)), half), 16);
-  const v16 all = _mm512_mask_mov_epi32(even, 0xAAAA, odd);
-  return _mm512_mask_sub_epi32(all, _mm512_movepi32_mask(n), _mm512_setzero_si512(), all);
+  return _mm512_mask_mov_epi32(even, 0xAAAA, odd);
 }
 
 // mean() of sums with 16 bits of fraction over n samples, halves to even; in bits 16 to 23.
@@ -178,13 +177,16 @@ SPANTEX_INLINE bool draw_rows(const row_work& work, const batch& b, int k, const
     const v8 one = of64<int64_t(1) << q.reciprocal_bits>();
     const reciprocals16 r = affine ? reciprocals16{one, one} : reciprocal16(o.e[n]);
     const lengths32 u = over_square(nu[n], r, drop), v = over_square(nv[n], r, drop);
+    const __mmask16 opposed = _mm512_movepi32_mask(_mm512_xor_si512(nu[n], nv[n]));  // rows are symmetric: only whether their signs are alike matters
     for (int at = 0; 2 * at < s.most; ++at) {
-      const v16 m = look_up(of_samples.from_middle[at], s.samples[n]);
-      s.along_u[at][n] = along16(u, m, nu[n]);
-      s.along_v[at][n] = along16(v, m, nv[n]);
+      const v16 m = look_up(of_samples.from_middle[at], s.samples[n]), du = along16(u, m), dv = along16(v, m);
+      if (at == 0) {
+        far_u[n] = du;
+        far_v[n] = dv;
+      }
+      s.along_u[at][n] = du;
+      s.along_v[at][n] = _mm512_mask_sub_epi32(dv, opposed, _mm512_setzero_si512(), dv);
     }
-    far_u[n] = _mm512_abs_epi32(s.along_u[0][n]);
-    far_v[n] = _mm512_abs_epi32(s.along_v[0][n]);
     beyond |= _mm512_cmpgt_epu32_mask(_mm512_or_si512(far_u[n], far_v[n]), of32<half_of_longest - 1>());
     const texels16 p = texels_of({o.u[n], o.v[n], Scaled ? b.origin_u[k] : b.base_u[k], Scaled ? b.origin_v[k] : b.base_v[k], o.bits, o.half});
     s.u[n] = p.u;
@@ -216,13 +218,14 @@ template <int Channels>
 
 template <int Channels>
 SPANTEX_INLINE bool draw_aniso(const row_work& work, const batch& b, int k) {
-  const bool flat = (b.g[k] | b.h[k]) == 0;
+  const bool flat = b.level >> k & 1;
   row_span span;
   offsets o = offsets_of(b, k);
+  for (v16& e : o.e) e = slope_of(e, b.slope_log2[k]);
   v16 nu[quads], nv[quads], largest = _mm512_setzero_si512();
   const auto some_take = [&](v16 ratio) SPANTEX_INLINED { return _mm512_cmpge_epi32_mask(largest, ratio) != 0; };
-  forms(set32(b.axis_c_u[k]), b.axis_a_u[k], b.axis_b_u[k], nu);
-  forms(set32(b.axis_c_v[k]), b.axis_a_v[k], b.axis_b_v[k], nv);
+  forms_of(b.axis_u, k, nu);
+  forms_of(b.axis_v, k, nv);
 #pragma GCC unroll 4
   for (int n = 0; n < quads; ++n) {
     v16 ratio;

@@ -2,25 +2,52 @@
 // AVX-512 kernel: eight spans side by side. Included by ../avx512.cpp alone.
 #pragma once
 
+// c + x hx + y hy of a span's pixels, eight spans: what the columns of the left quads have, and what the rows of the upper ones add; from quad to quad.
+struct alignas(64) batch_forms {
+  int32_t across[batch_size][quad_side], down[batch_size][quad_side];
+  int32_t right[batch_size], below[batch_size];
+};
+
+SPANTEX_INLINE void keep(batch_forms& f, __m256i c, __m256i x, __m256i y) {
+  const v16 steps = _mm512_setr_epi32(-7, -5, -3, -1, -7, -5, -3, -1, -7, -5, -3, -1, -7, -5, -3, -1);
+#pragma GCC unroll 2
+  for (int k = 0; k < batch_size; k += batch_size / 2) {
+    const v16 lanes = _mm512_add_epi32(_mm512_setr_epi32(0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3), set32(k));
+    const auto spread = [&](__m256i of) { return _mm512_permutexvar_epi32(lanes, _mm512_castsi256_si512(of)); };
+    _mm512_store_si512(f.across[k], _mm512_add_epi32(spread(c), _mm512_mullo_epi32(spread(x), steps)));
+    _mm512_store_si512(f.down[k], _mm512_mullo_epi32(spread(y), steps));
+  }
+  put(f.right, _mm256_slli_epi32(x, 3));
+  put(f.below, _mm256_slli_epi32(y, 3));
+}
+
+// Sections of local memory of the quads of eight spans, on a level each (quad_section).
+struct alignas(64) batch_sections {
+  int32_t at[2][2][quads][batch_size];                // near and far column of blocks, upper and lower one: from planar_map::blocks()
+  alignas(64) uint64_t merged[quads][batch_size];     // narrow: columns from far
+};
+
 // What a batch of spans needs below the planner: span_coefficients of eight spans, side by side.
 struct alignas(64) batch {
   int32_t c_u[batch_size], a_u[batch_size], b_u[batch_size], c_v[batch_size], a_v[batch_size], b_v[batch_size];
-  int32_t g[batch_size], h[batch_size];
+  batch_forms u, v, e;                                   // of those; e 2^-slope_log2 takes the whole of 31 bits
+  batch_forms axis_u, axis_v;                            // aniso
+  uint32_t level;                                        // bit k: w is constant
   int32_t base_u[batch_size], base_v[batch_size];       // modulo the map's period
   int32_t origin_u[batch_size], origin_v[batch_size];   // before that
   int32_t exponent[batch_size], slope_log2[batch_size];
+  int32_t series_drop[batch_size];                       // 14 - s as of 32-bit lanes whose upper halves are multiplied: -2 - s
   int32_t terms[batch_size];                             // 0: affine, 1..4: series, 5: divide
+  int32_t affine_log2[batch_size];                       // a position lies within 2^this texels of where it would if nothing were divided
   // Level 0, of spans that are flat enough to tell without their pixels: where the quads' sections lie.
-  int32_t at[2][2][quads][batch_size], column[quads][batch_size];                 // bilinear: quad_section
-  alignas(64) int32_t low[quads][2][batch_size], high[quads][2][batch_size];      // bilinear: u and v of every position, s15.16
+  batch_sections sections;                                                        // bilinear
   int32_t row_at[quads][batch_size];                                              // nearest: the section's first texel in the rows of the map
-  alignas(64) int32_t from[quads][2][batch_size];                                 // nearest: from it to the base texel, u and v
+  int32_t column_bits[batch_size], row_bits[batch_size];                          // nearest: fraction of u; of v, so that a row is 8 texels
+  alignas(64) int32_t from[quads][2][batch_size];                                 // nearest: from it to the base texel, u and v, as offsets, and what rounds
   alignas(64) int64_t u_x[batch_size], v_x[batch_size], u_y[batch_size], v_y[batch_size], twist_u[batch_size], twist_v[batch_size];  // level.hpp: span_levels()
-  alignas(64) int32_t axis_c_u[batch_size], axis_a_u[batch_size], axis_b_u[batch_size], axis_c_v[batch_size], axis_a_v[batch_size], axis_b_v[batch_size];  // axis_terms
   int32_t axis_exponent[batch_size], area_log2[batch_size];  // the area's in 2^-16
   int32_t sx, first;                                     // the first span: on the screen, and of the row's work
   uint32_t usable;                                       // bit k: span k is in here
-  uint32_t flat;                                         // bit k: low and high are known
   uint32_t magnified;                                    // bit k: every pixel's level of detail is 0
   uint32_t placed, wide;                                 // bit k: its sections are known; one of them is more than 8 texels across
 };
@@ -28,7 +55,18 @@ constexpr int divide_terms = 5;
 
 // What one part of a plan leaves to the next.
 struct setup {
-  v8 w, nu, nv, w_bits, base_u, base_v, g, h, extent_log2, exponent;
+  v8 w, nu, nv, mantissa, seed, w_bits, base_u, base_v, c_u, a_u, b_u, c_v, a_v, b_v, g, h, drop, shift, slope_log2, affine_log2, extent_log2, exponent;
   inverse8 inverse;
   __mmask8 usable;
+};
+
+// What every batch of a row adds to its first span's W and numerators.
+struct batch_steps {
+  v8 w, nu, nv;
+  SPANTEX_INLINE explicit batch_steps(const plane& p) {
+    const auto along = [](const linear_form& f) { return _mm512_mullo_epi64(_mm512_setr_epi64(0, 1, 2, 3, 4, 5, 6, 7), set(2 * span_side * f.x)); };
+    w = along(p.w);
+    nu = along(p.u);
+    nv = along(p.v);
+  }
 };

@@ -31,6 +31,14 @@ SPANTEX_INLINE void take(const offsets& o, level_span& s) {
   s.half = o.half;
 }
 
+// A span whose pixels are all on one whole level, as place_alike() left it.
+struct alike_span {
+  const v16 (&u)[quads], (&v)[quads], (&level)[quads];
+  const batch_places& at;
+  int k;
+  static constexpr uint32_t fit = 0xF;
+};
+
 // Whole levels of pixels.
 template <bool TwoLevels>
 SPANTEX_INLINE v16 whole_of(v16 level) {
@@ -169,11 +177,26 @@ SPANTEX_INLINE v16 snapped_on(const level_span& s, const C& c, v16 u, v16 v, int
   if constexpr (Scaled) return s.scaled[After].at(c, u, v, n);
   else return s.at.at(c, u, v, n + After * quads);
 }
+template <bool Scaled, int After, class C>
+SPANTEX_INLINE v16 snapped_on(const alike_span& s, const C& c, v16 u, v16 v, int) {
+  const batch_places& p = s.at;
+  return snapped_by(c, u, v, p.from_u[After][s.k], p.from_v[After][s.k], p.drop[After][s.k], p.turn[After][s.k]);
+}
+
+// Their sections.
+template <int After>
+SPANTEX_INLINE quad_section section_after(const uint8_t* blocks, const level_span& s, int n) { return section_of<false>(blocks, After == 1 ? s.coarse : s.next, n); }
+template <int After>
+SPANTEX_INLINE quad_section section_after(const uint8_t* blocks, const alike_span& s, int n) { return section_of<false>(blocks, s.at.coarse, s.k, n); }
 
 template <held_in Fine, int Channels>
 SPANTEX_INLINE void blended_fine(const uint8_t* blocks, const level_span& s, int n, const samples& at, v16 rounding, v16 (&out)[Channels]) {
   if constexpr (Fine == held_in::large) blended16(s.large.of(blocks, n), at, rounding, out);
   else blended16<Fine == held_in::wide>(section_of<Fine == held_in::wide>(blocks, s.fine, n), at, rounding, out);
+}
+template <held_in Fine, int Channels>
+SPANTEX_INLINE void blended_fine(const uint8_t* blocks, const alike_span& s, int n, const samples& at, v16 rounding, v16 (&out)[Channels]) {
+  blended16<Fine == held_in::wide>(section_of<Fine == held_in::wide>(blocks, s.at.fine, s.k, n), at, rounding, out);
 }
 
 // How a span's quads are drawn. Whether the fine sections are as narrow as the coarse ones is much the same from one span to the next.
@@ -182,7 +205,8 @@ struct quad_blender : blending<TwoLevels> {
   SPANTEX_INLINE explicit quad_blender(const uint8_t* of) : blending<TwoLevels>(of) {}
   using blending<TwoLevels>::up, blending<TwoLevels>::blocks, blending<TwoLevels>::from, blending<TwoLevels>::as, blending<TwoLevels>::rounding;
 
-  SPANTEX_INLINE v16 operator()(const level_span& s, int n) const {
+  template <class Span>
+  SPANTEX_INLINE v16 operator()(const Span& s, int n) const {
     const v16 u = s.u[n], v = s.v[n], level = s.level[n];
     v16 fine[Channels];
     blended_fine<Fine>(blocks, s, n, samples16(from, snapped_on<Scaled, 0>(s, from, u, v, n)), rounding, fine);
@@ -190,7 +214,8 @@ struct quad_blender : blending<TwoLevels> {
   }
 
   // The fine level's colours given.
-  SPANTEX_INLINE v16 finished(const level_span& s, int n, v16 u, v16 v, v16 level, v16 (&fine)[Channels]) const {
+  template <class Span>
+  SPANTEX_INLINE v16 finished(const Span& s, int n, v16 u, v16 v, v16 level, v16 (&fine)[Channels]) const {
     v16 coarse[Channels];
     if constexpr (Levels == taken::more || (TwoLevels && Levels == taken::all)) blended_on<1>(s, n, u, v, coarse);
     if constexpr (Levels == taken::more) {
@@ -212,10 +237,10 @@ struct quad_blender : blending<TwoLevels> {
 
  private:
   // On the level that lies so many after the fine one; after what was read before: addresses of two levels at once are more than there are registers.
-  template <int After>
-  SPANTEX_INLINE void blended_on(const level_span& s, int n, v16 u, v16 v, v16 (&out)[Channels]) const {
+  template <int After, class Span>
+  SPANTEX_INLINE void blended_on(const Span& s, int n, v16 u, v16 v, v16 (&out)[Channels]) const {
     asm volatile("" ::: "memory");
-    blended16<false>(section_of<false>(blocks, After == 1 ? s.coarse : s.next, n), samples16(from, snapped_on<Scaled, After>(s, from, u, v, n)), rounding, out);
+    blended16<false>(section_after<After>(blocks, s, n), samples16(from, snapped_on<Scaled, After>(s, from, u, v, n)), rounding, out);
   }
 };
 
@@ -304,6 +329,18 @@ SPANTEX_INLINE bool blend_span(const row_work& work, const batch& b, int k, cons
   };
   if (s.crossing) [[unlikely]] return by_width.template operator()<taken::more>();
   return s.one_level ? by_width.template operator()<taken::one>() : by_width.template operator()<taken::all>();
+}
+
+template <bool TwoLevels, int Channels>
+SPANTEX_INLINE void blend_alike(const row_work& work, const batch& b, int k, bool alone, const level_span& s, const batch_places& p) {
+  const auto blended = [&]<taken Levels, held_in Fine>() SPANTEX_INLINED {
+    blend_span<quad_blender<TwoLevels, Levels, Channels, Fine>>(work, b, k, alike_span{s.u, s.v, s.level, p, k}, [](int, v16&) { return true; });
+  };
+  const auto by_width = [&]<taken Levels>() SPANTEX_INLINED {
+    if (p.wide >> k & 1) blended.template operator()<Levels, held_in::wide>();
+    else blended.template operator()<Levels, held_in::narrow>();
+  };
+  alone ? by_width.template operator()<taken::one>() : by_width.template operator()<taken::all>();
 }
 
 // On levels whose sides do not halve exactly.

@@ -20,7 +20,7 @@ SPANTEX_INLINE columns8 columns_of(const setup& s, const batch& b) {
 
 // span_levels(). A span is known to be magnified if no row or column is longer than half a texel a pixel on either axis and |1 - w| < 2^-4: lengths are then
 // below sqrt(2) / 2 (16 / 15)^2 = 0.81, which is 0.3 of a level less than what rounds to 0.
-SPANTEX_INLINE void plan_levels(const setup& s, v8 slope_log2, batch& b) {
+SPANTEX_INLINE void plan_levels(const setup& s, batch& b) {
   const columns8 j = columns_of(s, b);
   _mm512_store_si512(b.u_x, j.u_x);
   _mm512_store_si512(b.v_x, j.v_x);
@@ -30,7 +30,7 @@ SPANTEX_INLINE void plan_levels(const setup& s, v8 slope_log2, batch& b) {
   _mm512_store_si512(b.twist_v, j.twist_v);
   const auto most = [](v8 x, v8 y, v8 twist) { return _mm512_add_epi64(_mm512_max_epi64(_mm512_abs_epi64(x), _mm512_abs_epi64(y)), times7(_mm512_abs_epi64(twist))); };
   const v8 longest = _mm512_max_epi64(most(j.u_x, j.u_y, j.twist_u), most(j.v_x, j.v_y, j.twist_v)), quarter = _mm512_sllv_epi64(set(1), _mm512_sub_epi64(s.exponent, set(2)));  // steps are half pixels
-  b.magnified = _mm512_cmple_epi64_mask(longest, quarter) & _mm512_cmple_epi64_mask(slope_log2, set(-4));
+  b.magnified = _mm512_cmple_epi64_mask(longest, quarter) & _mm512_cmple_epi64_mask(s.slope_log2, set(-4));
 }
 
 // cos, then sin of direction_at(k).
@@ -76,8 +76,9 @@ SPANTEX_INLINE void plan_axes(const setup& s, batch& b) {
   const v8 drop = _mm512_max_epi64(_mm512_sub_epi64(longest, set(bits)), _mm512_setzero_si512());
   const v8 most = set((int64_t(1) << bits) - 1), least = set(-((int64_t(1) << bits) - 1));
   const auto mantissa = [&](v8 x) { return _mm512_max_epi64(_mm512_min_epi64(symmetric8(x, drop), most), least); };
-  keep(b.axis_c_u, mantissa(c_u)); keep(b.axis_a_u, mantissa(a_u)); keep(b.axis_b_u, mantissa(b_u));
-  keep(b.axis_c_v, mantissa(c_v)); keep(b.axis_a_v, mantissa(a_v)); keep(b.axis_b_v, mantissa(b_v));
+  keep(b.axis_u, narrowed(mantissa(c_u)), narrowed(mantissa(a_u)), narrowed(mantissa(b_u)));
+  keep(b.axis_v, narrowed(mantissa(c_v)), narrowed(mantissa(a_v)), narrowed(mantissa(b_v)));
+  b.level = _mm512_testn_epi64_mask(_mm512_or_si512(s.g, s.h), _mm512_or_si512(s.g, s.h));
   keep(b.axis_exponent, _mm512_sub_epi64(given, drop));
   const v8 area = _mm512_abs_epi64(_mm512_sub_epi64(_mm512_mul_epi32(j.u_x, j.v_y), _mm512_mul_epi32(j.u_y, j.v_x))), zeros = _mm512_lzcnt_epi64(area);
   const v8 log2 = log2_of_bits(_mm512_srli_epi64(_mm512_sllv_epi64(area, zeros), 32), _mm512_sub_epi64(of64<63>(), zeros));

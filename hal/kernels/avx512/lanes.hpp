@@ -31,26 +31,21 @@ SPANTEX_INLINE v16 upper() { return of32<int32_t(0xFFFF0000)>(); }
 
 struct inverse8 { v8 y, exponent; };
 
-SPANTEX_INLINE v8 newton(v8 m, v8 y) {
-  const v8 error = _mm512_sub_epi64(of64<INT64_MIN>(), _mm512_mul_epu32(m, y));
-  const v8 next = _mm512_add_epi64(y, _mm512_srai_epi64(_mm512_mullo_epi64(y, _mm512_srai_epi64(error, 32)), 31));
-  return _mm512_min_epi64(next, of64<0xFFFFFFFF>());
-}
-
-// reciprocal_wide() of 32-bit m in 64-bit lanes.
-SPANTEX_INLINE v8 reciprocal8(v8 m) {
-  const v8 k = _mm512_and_si512(_mm512_srli_epi64(m, 24), of64<127>());
+// reciprocal_wide(): its seed, without the 16 zeros below, of 32-bit m in 32-bit lanes, whatever size the lanes are taken for.
+SPANTEX_INLINE v16 reciprocal_seeds16(v16 m) {
+  const v16 k = _mm512_srli_epi32(m, 31 - reciprocal_seed_bits);  // what is above is not looked at
   const uint16_t* t = reciprocal_seeds.seed;
-  const v8 low = _mm512_permutex2var_epi16(_mm512_loadu_si512(t), k, _mm512_loadu_si512(t + 32));
-  const v8 high = _mm512_permutex2var_epi16(_mm512_loadu_si512(t + 64), k, _mm512_loadu_si512(t + 96));
-  const v8 seed = _mm512_mask_mov_epi64(low, _mm512_test_epi64_mask(k, of64<64>()), high);
-  const v8 y = _mm512_slli_epi64(_mm512_and_si512(seed, of64<0xFFFF>()), 16);
-  return newton(m, newton(m, y));
+  const v16 low = _mm512_permutex2var_epi16(_mm512_loadu_si512(t), k, _mm512_loadu_si512(t + 32));
+  const v16 high = _mm512_permutex2var_epi16(_mm512_loadu_si512(t + 64), k, _mm512_loadu_si512(t + 96));
+  return _mm512_and_si512(_mm512_mask_mov_epi32(low, _mm512_test_epi32_mask(k, of32<64>()), high), of32<0xFFFF>());
 }
 
-SPANTEX_INLINE inverse8 invert8(v8 w) {
-  const v8 zeros = _mm512_lzcnt_epi64(w);
-  return {reciprocal8(_mm512_srli_epi64(_mm512_sllv_epi64(w, zeros), 32)), _mm512_sub_epi64(of64<32>(), zeros)};
+// Its two steps in 64-bit lanes, of which m's upper halves may be anything. y is never above 2^63 / m, so that it needs no limit and no error is negative after the first step.
+SPANTEX_INLINE v8 newton8(v8 m, v8 seed) {
+  const v8 error = _mm512_srai_epi64(_mm512_sub_epi64(of64<int64_t(1) << 47>(), _mm512_mul_epu32(m, seed)), 16);
+  const v8 y = _mm512_add_epi64(_mm512_slli_epi64(seed, 16), _mm512_srai_epi64(_mm512_mul_epi32(seed, error), 15));
+  const v8 rest = _mm512_srli_epi64(_mm512_sub_epi64(of64<INT64_MIN>(), _mm512_mul_epu32(m, y)), 32);
+  return _mm512_add_epi64(y, _mm512_srli_epi64(_mm512_mul_epu32(y, rest), 31));
 }
 
 // quotient() with its shift given: 63 + exponent - drop - scale.
@@ -78,6 +73,7 @@ SPANTEX_INLINE v8 times7(v8 x) { return _mm512_sub_epi64(_mm512_slli_epi64(x, 3)
 // How far c + x hx + y hy reaches within a span.
 SPANTEX_INLINE v8 extent_of(v8 c, v8 x, v8 y) { return _mm512_add_epi64(_mm512_abs_epi64(c), times7(_mm512_add_epi64(_mm512_abs_epi64(x), _mm512_abs_epi64(y)))); }
 
+SPANTEX_INLINE __m256i narrowed(v8 x) { return _mm512_cvtepi64_epi32(x); }
 SPANTEX_INLINE void put(int32_t (&to)[batch_size], __m256i x) { _mm256_store_si256(reinterpret_cast<__m256i*>(to), x); }
-SPANTEX_INLINE void keep(int32_t (&to)[batch_size], v8 x) { put(to, _mm512_cvtepi64_epi32(x)); }
+SPANTEX_INLINE void keep(int32_t (&to)[batch_size], v8 x) { put(to, narrowed(x)); }
 SPANTEX_INLINE __m256i got(const int32_t (&from)[batch_size]) { return _mm256_load_si256(reinterpret_cast<const __m256i*>(from)); }

@@ -4,7 +4,7 @@
 
 // log2_length() of the eight rows, then of the eight columns, s.16.
 SPANTEX_INLINE v16 lengths16(v8 row_u, v8 row_v, v8 column_u, v8 column_v, int exponent) {
-  const auto square = [&](v8 u, v8 v) { return _mm512_add_epi64(_mm512_mullo_epi64(u, u), _mm512_mullo_epi64(v, v)); };
+  const auto square = [&](v8 u, v8 v) { return _mm512_add_epi64(_mm512_mul_epi32(u, u), _mm512_mul_epi32(v, v)); };
   const v8 row = square(row_u, row_v), column = square(column_u, column_v);
   const v8 row_zeros = _mm512_lzcnt_epi64(row), column_zeros = _mm512_lzcnt_epi64(column);
   const v16 lower = _mm512_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30), higher = _mm512_add_epi32(lower, of32<1>());
@@ -17,14 +17,15 @@ SPANTEX_INLINE v16 lengths16(v8 row_u, v8 row_v, v8 column_u, v8 column_v, int e
 // Of the span's rows and columns.
 SPANTEX_INLINE v16 lengths_of(const batch& b, int k) {
   const v8 half = _mm512_setr_epi64(-7, -5, -3, -1, 1, 3, 5, 7);
-  const v8 along_u = _mm512_mullo_epi64(set(b.twist_u[k]), half), along_v = _mm512_mullo_epi64(set(b.twist_v[k]), half);
+  const v8 along_u = _mm512_mul_epi32(set(b.twist_u[k]), half), along_v = _mm512_mul_epi32(set(b.twist_v[k]), half);
   return lengths16(_mm512_add_epi64(set(b.u_x[k]), along_u), _mm512_add_epi64(set(b.v_x[k]), along_v), _mm512_sub_epi64(set(b.u_y[k]), along_u),
                    _mm512_sub_epi64(set(b.v_y[k]), along_v), b.exponent[k]);
 }
 
-// To 2^-8, then finer() with a bias of -8: its limits are whole numbers of those; clamped.
+// 2^-16 and half of 2^-8 to 2^-8, then finer() with a bias of -8: its limits are whole numbers of those; clamped.
+constexpr int32_t detail_half = 1 << 7;
 SPANTEX_INLINE v16 detail_of(v16 x, v16 most) {
-  const v16 level = _mm512_srai_epi32(_mm512_add_epi32(x, of32<128>()), 8);
+  const v16 level = _mm512_srai_epi32(x, 8);
   const v16 detail = _mm512_max_epi32(_mm512_min_epi32(level, of32<80>()), _mm512_sub_epi32(level, of32<128>()));
   return _mm512_max_epi32(_mm512_min_epi32(detail, most), _mm512_setzero_si512());
 }
@@ -37,22 +38,36 @@ SPANTEX_INLINE bool on_unlike_levels(const planar_map& map, const v16 (&level)[q
   return _mm512_cmpgt_epi32_mask(most, set32(last)) != 0;
 }
 
+// The whole level of a span's pixels: the first one's; whether it is all of theirs; whether, besides, none of them takes anything from the next one.
+struct common_level { int32_t whole; bool alike, alone; };
+template <bool TwoLevels>
+SPANTEX_INLINE common_level common_level_of(const v16 (&level)[quads]) {
+  constexpr int32_t up = TwoLevels ? 0 : (1 << (q.level_bits - 1)) - 1;  // ceil(d + 1/2) - 1
+  const auto of = [&](int n) SPANTEX_INLINED { return TwoLevels ? level[n] : _mm512_add_epi32(level[n], of32<up>()); };
+  const v16 first = _mm512_broadcastd_epi32(_mm512_castsi512_si128(of(0)));
+  const auto differing = [&](v16 so_far, v16 x) SPANTEX_INLINED { return _mm512_ternarylogic_epi32(so_far, x, first, 0xF6); };  // so_far | (x ^ first)
+  const v16 differs = differing(differing(differing(_mm512_xor_si512(of(0), first), of(1)), of(2)), of(3));
+  const bool alike = _mm512_test_epi32_mask(differs, of32<-(1 << q.level_bits)>()) == 0;
+  const v16 any = _mm512_ternarylogic_epi32(_mm512_or_si512(level[0], level[1]), level[2], level[3], 0xFE);
+  return {_mm_cvtsi128_si32(_mm512_castsi512_si128(of(0))) >> q.level_bits, alike, !TwoLevels || _mm512_test_epi32_mask(any, of32<(1 << q.level_bits) - 1>()) == 0};
+}
+
 // level_at() of the span's pixels, 2^-8.
-SPANTEX_INLINE void levels_of(const row_work& work, v16 lengths, int s, const v16 (&e)[quads], v16 (&level)[quads]) {
+SPANTEX_INLINE void levels_of(const row_work& work, v16 lengths, int s, int series_drop, const v16 (&e)[quads], const slopes16& w, v16 (&level)[quads]) {
   const v16 row = _mm512_setr_epi32(0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3), column = _mm512_setr_epi32(8, 9, 10, 11, 8, 9, 10, 11, 8, 9, 10, 11, 8, 9, 10, 11);
-  const v16 top = _mm512_permutexvar_epi32(row, lengths), bottom = _mm512_permutexvar_epi32(_mm512_add_epi32(row, set32(4)), lengths);
-  const v16 left = _mm512_permutexvar_epi32(column, lengths), right = _mm512_permutexvar_epi32(_mm512_add_epi32(column, set32(4)), lengths);
+  const v16 rounded = _mm512_add_epi32(lengths, of32<detail_half>());
+  const v16 top = _mm512_permutexvar_epi32(row, rounded), bottom = _mm512_permutexvar_epi32(_mm512_add_epi32(row, set32(4)), rounded);
+  const v16 left = _mm512_permutexvar_epi32(column, rounded), right = _mm512_permutexvar_epi32(_mm512_add_epi32(column, set32(4)), rounded);
   const v16 terms[quads] = {_mm512_max_epi32(top, left), _mm512_max_epi32(top, right), _mm512_max_epi32(bottom, left), _mm512_max_epi32(bottom, right)};
-  const v16 most = set32(work.last_level << q.level_bits), slope_log2 = set32(s);
+  const v16 most = set32(work.last_level << q.level_bits), drop = set32(series_drop), square_drop = _mm512_add_epi32(drop, of32<1>()), log_drop = _mm512_add_epi32(drop, of32<13>());
 #pragma GCC unroll 4
   for (int n = 0; n < quads; ++n) {
     v16 log_w;
     if (s <= most_level_slope_log2) {
-      const v16 e16 = slope16(e[n], slope_log2);
-      const v16 t = upper_difference(e16, _mm512_srav_epi32(_mm512_madd_epi16(e16, e16), set32(-s - 1)));
-      log_w = _mm512_srav_epi32(_mm512_madd_epi16(t, of32<int32_t(level_factor.raw()) << 16>()), set32(11 - s));
+      const v16 t = upper_difference(w.e16[n], _mm512_srav_epi32(w.square[n], square_drop));
+      log_w = _mm512_srav_epi32(_mm512_madd_epi16(t, of32<int32_t(level_factor.raw()) << 16>()), log_drop);
     } else {
-      log_w = _mm512_slli_epi32(_mm512_sub_epi32(log2_of(_mm512_add_epi32(e[n], of32<1 << 30>())), of32<30 << 16>()), 1);
+      log_w = _mm512_slli_epi32(_mm512_sub_epi32(log2_of(_mm512_add_epi32(slope_of(e[n], s), of32<1 << 30>())), of32<30 << 16>()), 1);
     }
     level[n] = detail_of(_mm512_sub_epi32(terms[n], log_w), most);
   }

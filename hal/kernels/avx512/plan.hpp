@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // AVX-512 kernel: eight spans planned at once, one 64-bit lane each. Included by ../avx512.cpp alone.
-// A plan is a long chain of dependent operations: it is made in three parts between the spans of the batch before, whose pixels fill the gaps.
+// A plan is a long chain of dependent operations: it is made in parts between the spans of the batch before, whose pixels fill the gaps.
 #pragma once
 
 SPANTEX_INLINE v8 modulo(v8 base, int32_t period) {
@@ -12,167 +12,128 @@ SPANTEX_INLINE v8 modulo(v8 base, int32_t period) {
   return _mm512_sub_epi64(shifted, _mm512_mullo_epi64(times, set(period)));
 }
 
-SPANTEX_INLINE v16 both_axes(__m256i u, __m256i v) { return _mm512_inserti64x4(_mm512_castsi256_si512(u), v, 1); }
-SPANTEX_INLINE v16 both_axes(int32_t u, int32_t v) { return both_axes(_mm256_set1_epi32(u), _mm256_set1_epi32(v)); }
-
-// Where quads lie on level 0, s15.16, u in the lower eight lanes, v in the upper: between the corners of the parallelogram that a quad would be if
-// nothing were divided. 1/w moves a position by less than 2^(extent + slope + 1); a 64th of a texel holds every rounding.
-struct quad_bounds {
-  v16 middle, right, below, spread, to16, base;
-  SPANTEX_INLINE quad_bounds(const batch& b, v8 error_log2) {
-    const v16 a = both_axes(got(b.a_u), got(b.a_v)), d = both_axes(got(b.b_u), got(b.b_v)), x = _mm512_broadcast_i64x4(got(b.exponent));
-    const v16 steps = _mm512_add_epi32(_mm512_abs_epi32(a), _mm512_abs_epi32(d));
-    const v16 error = _mm512_broadcast_i64x4(_mm512_cvtepi64_epi32(error_log2)), one = of32<1>();
-    const v16 margin = _mm512_add_epi32(_mm512_sllv_epi32(one, _mm512_add_epi32(x, error)), _mm512_sllv_epi32(one, _mm512_sub_epi32(x, of32<6>())));
-    spread = _mm512_add_epi32(_mm512_add_epi32(steps, _mm512_slli_epi32(steps, 1)), margin);
-    right = _mm512_slli_epi32(a, 2);
-    below = _mm512_slli_epi32(d, 2);
-    middle = both_axes(got(b.c_u), got(b.c_v));
-    to16 = _mm512_sub_epi32(x, of32<16>());
-    base = _mm512_slli_epi32(both_axes(got(b.base_u), got(b.base_v)), 16);
-  }
-  SPANTEX_INLINE v16 centre(int n) const {
-    const v16 across = n & 1 ? _mm512_add_epi32(middle, right) : _mm512_sub_epi32(middle, right);
-    return n & 2 ? _mm512_add_epi32(across, below) : _mm512_sub_epi32(across, below);
-  }
-  SPANTEX_INLINE v16 low(int n) const { return _mm512_add_epi32(base, _mm512_srav_epi32(_mm512_sub_epi32(centre(n), spread), to16)); }
-  SPANTEX_INLINE v16 high(int n) const { return _mm512_add_epi32(base, _mm512_srav_epi32(_mm512_add_epi32(centre(n), spread), to16)); }
-};
-
-// Sections of level 0 for a filter of 2x2 texels.
-SPANTEX_INLINE void place(const row_work& work, __mmask8 flat, const quad_bounds& bounds, batch& b) {
-  const planar_map& map = *work.texels;
-  const planar_levels& texels = map.levels();
-  const v16 last = both_axes(texels.last_column[0], texels.last_row[0]), bytes = both_axes(block_bytes, texels.row_bytes[0]);
-  const __mmask16 strict = __mmask16((map.period_u() != 0 ? 0xFF : 0) | (map.period_v() != 0 ? 0xFF00 : 0));
-  __mmask16 fit = 0xFFFF, wide = 0;
-#pragma GCC unroll 4
-  for (int n = 0; n < quads; ++n) {
-    const v16 low = bounds.low(n), high = bounds.high(n);
-    _mm512_store_si512(b.low[n], low);
-    _mm512_store_si512(b.high[n], high);
-    const auto texel = [&](v16 position) { return _mm512_srai_epi32(_mm512_sub_epi32(position, of32<1 << 15>()), 16); };
-    const v16 first = texel(low), end = _mm512_add_epi32(texel(high), of32<1>());
-    const v16 block0 = _mm512_srai_epi32(first, 3), block1 = _mm512_srai_epi32(end, 3);
-    const __mmask16 large = _mm512_cmpgt_epi32_mask(_mm512_sub_epi32(end, first), of32<7>()) & 0xFF;
-    fit = __mmask16(fit & (_mm512_cmple_epi32_mask(_mm512_sub_epi32(block1, block0), of32<1>()) | (0xFF & ~large)));
-    wide |= large;
-    const auto held = [&](v16 k) { return _mm512_max_epi32(_mm512_min_epi32(k, last), of32<-apron>()); };
-    const v16 k0 = held(block0), k1 = held(block1);
-    fit = __mmask16(fit & ~(strict & (_mm512_cmpneq_epi32_mask(k0, block0) | _mm512_cmpneq_epi32_mask(k1, block1))));
-    const __mmask16 swap = _mm512_test_epi32_mask(block0, of32<1>()) & (0xFF00 | large);
-    const v16 even = _mm512_mullo_epi32(_mm512_mask_mov_epi32(k0, swap, k1), bytes), odd = _mm512_mullo_epi32(_mm512_mask_mov_epi32(k1, swap, k0), bytes);
-    const __m256i x0 = _mm512_castsi512_si256(even), x1 = _mm512_castsi512_si256(odd);
-    const __m256i y0 = _mm512_extracti64x4_epi64(even, 1), y1 = _mm512_extracti64x4_epi64(odd, 1);
-    put(b.at[0][0][n], _mm256_add_epi32(x0, y0));
-    put(b.at[0][1][n], _mm256_add_epi32(x0, y1));
-    put(b.at[1][0][n], _mm256_add_epi32(x1, y0));
-    put(b.at[1][1][n], _mm256_add_epi32(x1, y1));
-    put(b.column[n], _mm256_and_si256(_mm512_castsi512_si256(first), _mm256_set1_epi32(7)));
-  }
-  b.flat = flat;
-  b.placed = flat & fit & (fit >> 8);
-  b.wide = wide;
-}
-
-// The same for single texels: 8x8 of them in rows.
-SPANTEX_INLINE void place_rows(const row_work& work, __mmask8 flat, const quad_bounds& bounds, batch& b) {
-  const planar_map& map = *work.texels;
-  const v16 base = _mm512_srai_epi32(bounds.base, 16), seven = of32<7>();
-  const v16 least = of32<-texel_apron>(), most = both_axes(map.rows_across() + texel_apron - block_side, map.rows_down() + texel_apron - block_side);
-  __mmask16 fit = 0xFFFF;
-#pragma GCC unroll 4
-  for (int n = 0; n < quads; ++n) {
-    const v16 first = _mm512_srai_epi32(bounds.low(n), 16), end = _mm512_srai_epi32(bounds.high(n), 16);
-    fit = __mmask16(fit & _mm512_cmple_epi32_mask(_mm512_sub_epi32(end, first), seven) & _mm512_cmpge_epi32_mask(first, least) & _mm512_cmple_epi32_mask(first, most));
-    _mm512_store_si512(b.from[n], _mm512_sub_epi32(base, first));
-    const __m256i down = _mm256_mullo_epi32(_mm512_extracti64x4_epi64(first, 1), _mm256_set1_epi32(map.row_stride()));
-    put(b.row_at[n], _mm256_add_epi32(_mm512_castsi512_si256(first), down));
-  }
-  b.flat = flat;
-  b.placed = flat & fit & (fit >> 8);
-}
-
-// reference_at() of eight spans from sx.
-SPANTEX_INLINE void plan_bases(const row_work& work, int32_t sx, setup& s) {
+// A plan in parts, each a short chain of dependent operations: processors look ahead by some hundred operations alone.
+//
+// reference_at() of eight spans from sx: W, and what its inverse begins with.
+SPANTEX_INLINE void plan_start(const row_work& work, const batch_steps& steps, int32_t sx, setup& s) {
   const plane& p = *work.map;
   const int32_t cx = 2 * span_side * sx + span_side, cy = 2 * span_side * work.sy + span_side;
-  const v8 k = _mm512_setr_epi64(0, 1, 2, 3, 4, 5, 6, 7);
-  const auto along = [&](const linear_form& f) {
-    return _mm512_add_epi64(set(p.value(f, cx, cy)), _mm512_mullo_epi64(k, set(2 * span_side * f.x)));
-  };
-  s.w = along(p.w);
-  s.nu = along(p.u);
-  s.nv = along(p.v);
+  s.w = _mm512_add_epi64(set(p.value(p.w, cx, cy)), steps.w);
+  s.nu = _mm512_add_epi64(set(p.value(p.u, cx, cy)), steps.nu);
+  s.nv = _mm512_add_epi64(set(p.value(p.v, cx, cy)), steps.nv);
   s.usable = _mm512_cmpgt_epi64_mask(s.w, _mm512_setzero_si512());
   const uint64_t slope = 7 * (magnitude(p.w.x) + magnitude(p.w.y));
   s.usable &= _mm512_cmplt_epu64_mask(set(int64_t(slope)), _mm512_sub_epi64(_mm512_srli_epi64(s.w, 1), _mm512_srli_epi64(s.w, 8)));
-  s.inverse = invert8(s.w);
-  s.w_bits = bit_length(s.w);
+  const v8 zeros = _mm512_lzcnt_epi64(s.w);
+  s.w_bits = _mm512_sub_epi64(of64<64>(), zeros);
+  s.inverse.exponent = _mm512_sub_epi64(of64<32>(), zeros);
+  s.mantissa = _mm512_srli_epi64(_mm512_sllv_epi64(s.w, zeros), 32);
+  s.seed = reciprocal_seeds16(s.mantissa);
+}
+
+SPANTEX_INLINE void plan_inverse(setup& s) { s.inverse.y = newton8(s.mantissa, s.seed); }
+
+SPANTEX_INLINE void plan_bases(setup& s) {
   s.base_u = whole_quotient8(s.nu, s.w_bits, s.inverse, s.usable);
   s.base_v = whole_quotient8(s.nv, s.w_bits, s.inverse, s.usable);
 }
 
-// coordinates_within(), but for the evaluation.
-template <filter Kind>
-SPANTEX_INLINE void plan_mantissas(const row_work& work, setup& s, batch& b) {
+// coordinates_within(): what is left of the numerators, and how far it reaches.
+SPANTEX_INLINE void plan_extents(const row_work& work, setup& s) {
   const plane& p = *work.map;
-  const v8 zero = _mm512_setzero_si512(), gx = set(p.w.x), gy = set(p.w.y);
-  const auto less = [&](int64_t x, v8 base, v8 by) { return _mm512_sub_epi64(set(x), _mm512_mullo_epi64(base, by)); };
-  const v8 c_u = _mm512_sub_epi64(s.nu, _mm512_mullo_epi64(s.base_u, s.w)), a_u = less(p.u.x, s.base_u, gx), b_u = less(p.u.y, s.base_u, gy);
-  const v8 c_v = _mm512_sub_epi64(s.nv, _mm512_mullo_epi64(s.base_v, s.w)), a_v = less(p.v.x, s.base_v, gx), b_v = less(p.v.y, s.base_v, gy);
-  const v8 extent = _mm512_max_epu64(extent_of(c_u, a_u, b_u), extent_of(c_v, a_v, b_v)), extent_bits = bit_length(extent);
+  const v8 gx = set(p.w.x), gy = set(p.w.y);
+  const auto less = [&](v8 x, v8 base, v8 by) { return _mm512_sub_epi64(x, _mm512_mullo_epi64(base, by)); };
+  s.c_u = less(s.nu, s.base_u, s.w);
+  s.a_u = less(set(p.u.x), s.base_u, gx);
+  s.b_u = less(set(p.u.y), s.base_u, gy);
+  s.c_v = less(s.nv, s.base_v, s.w);
+  s.a_v = less(set(p.v.x), s.base_v, gx);
+  s.b_v = less(set(p.v.y), s.base_v, gy);
+  const v8 extent = _mm512_max_epu64(extent_of(s.c_u, s.a_u, s.b_u), extent_of(s.c_v, s.a_v, s.b_v)), extent_bits = bit_length(extent);
   s.extent_log2 = _mm512_add_epi64(_mm512_sub_epi64(extent_bits, s.w_bits), of64<1>());
   s.usable &= _mm512_cmple_epi64_mask(s.extent_log2, of64<max_extent_log2>());
   s.exponent = _mm512_min_epi64(_mm512_sub_epi64(of64<q.offset_bits - 1>(), s.extent_log2), of64<max_exponent>());
-  const v8 drop = _mm512_max_epi64(_mm512_sub_epi64(extent_bits, of64<31>()), zero);
-  const v8 whole = _mm512_add_epi64(s.inverse.exponent, of64<63>()), shift = _mm512_sub_epi64(_mm512_sub_epi64(whole, drop), s.exponent);
-  const auto mantissa = [&](v8 n) { return quotient8(n, drop, s.inverse.y, shift); };
-  keep(b.c_u, mantissa(c_u)); keep(b.a_u, mantissa(a_u)); keep(b.b_u, mantissa(b_u));
-  keep(b.c_v, mantissa(c_v)); keep(b.a_v, mantissa(a_v)); keep(b.b_v, mantissa(b_v));
+  s.drop = _mm512_max_epi64(_mm512_sub_epi64(extent_bits, of64<31>()), _mm512_setzero_si512());
+  s.shift = _mm512_sub_epi64(_mm512_sub_epi64(_mm512_add_epi64(s.inverse.exponent, of64<63>()), s.drop), s.exponent);
+}
+
+SPANTEX_INLINE void plan_mantissas(setup& s, batch& b) {
+  const auto mantissa = [&](v8 n) { return quotient8(n, s.drop, s.inverse.y, s.shift); };
+  keep(b.c_u, mantissa(s.c_u)); keep(b.a_u, mantissa(s.a_u)); keep(b.b_u, mantissa(s.b_u));
+  keep(b.c_v, mantissa(s.c_v)); keep(b.a_v, mantissa(s.a_v)); keep(b.b_v, mantissa(s.b_v));
+  keep(b.u, got(b.c_u), got(b.a_u), got(b.b_u));
+  keep(b.v, got(b.c_v), got(b.a_v), got(b.b_v));
+  keep(b.exponent, s.exponent);
+}
+
+// Slopes, and where the map's period lets positions be counted from.
+SPANTEX_INLINE void plan_slopes(const row_work& work, setup& s, batch& b) {
+  const plane& p = *work.map;
   const int slope_drop = max_of(0, spantex::bit_length(7 * (magnitude(p.w.x) + magnitude(p.w.y))) - 31);
-  const v8 slope_shift = _mm512_sub_epi64(whole, set(slope_drop + q.reciprocal_bits));
-  s.g = quotient8(gx, set(slope_drop), s.inverse.y, slope_shift);
-  s.h = quotient8(gy, set(slope_drop), s.inverse.y, slope_shift);
-  keep(b.g, s.g); keep(b.h, s.h); keep(b.exponent, s.exponent);
+  const v8 slope_shift = _mm512_sub_epi64(s.inverse.exponent, set(slope_drop + q.reciprocal_bits - 63));
+  s.g = quotient8(set(p.w.x), set(slope_drop), s.inverse.y, slope_shift);
+  s.h = quotient8(set(p.w.y), set(slope_drop), s.inverse.y, slope_shift);
   keep(b.origin_u, s.base_u); keep(b.origin_v, s.base_v);
   keep(b.base_u, modulo(s.base_u, work.texels->period_u())); keep(b.base_v, modulo(s.base_v, work.texels->period_v()));
   if (p.rounding_bits == 0) return;
   // rounding_is_small()
-  const v8 reached = _mm512_sllv_epi64(of64<2>(), _mm512_max_epi64(_mm512_sub_epi64(of64<q.offset_bits - 1>(), s.exponent), zero));
+  const v8 reached = _mm512_sllv_epi64(of64<2>(), _mm512_max_epi64(_mm512_sub_epi64(of64<q.offset_bits - 1>(), s.exponent), _mm512_setzero_si512()));
   const v8 farthest = _mm512_add_epi64(_mm512_max_epi64(_mm512_abs_epi64(s.base_u), _mm512_abs_epi64(s.base_v)), reached);
   const v8 bits = _mm512_add_epi64(bit_length(_mm512_add_epi64(farthest, of64<2>())), set(p.rounding_bits + set_up_tolerance_bits));
   s.usable &= _mm512_cmplt_epi64_mask(bits, s.w_bits);
 }
 
-// choose_evaluation(), and what the filter needs to know before it sees a span's pixels.
-template <filter Kind>
-SPANTEX_INLINE void plan_evaluation(const row_work& work, const setup& s, batch& b) {
+// choose_evaluation().
+SPANTEX_INLINE void plan_evaluation(setup& s, batch& b) {
   const v8 steepness = times7(_mm512_add_epi64(_mm512_abs_epi64(s.g), _mm512_abs_epi64(s.h)));
   const v8 slope_log2 = _mm512_max_epi64(_mm512_sub_epi64(bit_length(steepness), of64<q.reciprocal_bits>()), of64<least_slope_log2>());
   const __mmask8 steep = _mm512_cmpgt_epi64_mask(slope_log2, of64<most_series_slope_log2>());
-  const v8 affine_log2 = _mm512_add_epi64(_mm512_add_epi64(s.extent_log2, slope_log2), of64<1>());
+  s.slope_log2 = slope_log2;
+  s.affine_log2 = _mm512_add_epi64(_mm512_add_epi64(s.extent_log2, slope_log2), of64<1>());
   const __mmask8 affine = _mm512_testn_epi64_mask(steepness, steepness) |
-                          _mm512_cmple_epi64_mask(_mm512_mask_add_epi64(affine_log2, steep, affine_log2, of64<1>()), of64<-q.tolerance_bits>());
+                          _mm512_cmple_epi64_mask(_mm512_mask_add_epi64(s.affine_log2, steep, s.affine_log2, of64<1>()), of64<-q.tolerance_bits>());
   const v8 resolution = _mm512_add_epi64(_mm512_sub_epi64(of64<q.offset_bits - 1>(), s.exponent), slope_log2);
   const __mmask8 series = __mmask8(~steep) & _mm512_cmple_epi64_mask(resolution, of64<series_bits - 3 - q.tolerance_bits>());
-  v8 terms = of64<divide_terms>(), error_log2 = _mm512_add_epi64(affine_log2, _mm512_mullo_epi64(slope_log2, of64<most_series_terms>()));
+  v8 terms = of64<divide_terms>(), error_log2 = _mm512_add_epi64(s.affine_log2, _mm512_slli_epi64(slope_log2, 2));
+  static_assert(most_series_terms == 4);
 #pragma GCC unroll 4
   for (int n = most_series_terms; n >= 1; --n) {
     terms = _mm512_mask_mov_epi64(terms, series & _mm512_cmple_epi64_mask(error_log2, of64<-q.tolerance_bits - 1>()), set(n));
     error_log2 = _mm512_sub_epi64(error_log2, slope_log2);
   }
   keep(b.slope_log2, slope_log2);
+  keep(b.affine_log2, s.affine_log2);
+  keep(b.series_drop, _mm512_sub_epi64(of64<-2>(), slope_log2));
+  const v8 up = _mm512_sub_epi64(_mm512_setzero_si512(), slope_log2);
+  keep(b.e, _mm256_setzero_si256(), narrowed(_mm512_sllv_epi64(s.g, up)), narrowed(_mm512_sllv_epi64(s.h, up)));
   keep(b.terms, _mm512_mask_mov_epi64(terms, affine, _mm512_setzero_si512()));
   b.usable = s.usable;
+}
+
+// What the filter needs to know before it sees a span's pixels.
+template <filter Kind>
+SPANTEX_INLINE void plan_places(const row_work& work, const setup& s, batch& b) {
   if constexpr (uses_footprint(Kind)) {
     plan_axes(s, b);
   } else if constexpr (uses_levels(Kind)) {
-    plan_levels(s, slope_log2, b);
+    plan_levels(s, b);
   } else {
-    const __mmask8 flat = _mm512_cmple_epi64_mask(affine_log2, of64<-2>());
-    quad_bounds bounds(b, affine_log2);
-    if constexpr (Kind == filter::nearest) place_rows(work, flat, bounds, b);
-    else place(work, flat, bounds, b);
+    const __mmask8 flat = _mm512_cmple_epi64_mask(s.affine_log2, of64<-2>());
+    if constexpr (Kind == filter::nearest) place_rows(work, flat, b);
+    else place(work, flat, b);
+  }
+}
+
+constexpr int plan_parts = 7;
+template <filter Kind>
+SPANTEX_INLINE void plan_part(int k, const row_work& work, const batch_steps& steps, setup& s, batch& b) {
+  switch (k) {
+    case 0: return plan_start(work, steps, b.sx, s);
+    case 1: return plan_inverse(s);
+    case 2: return plan_bases(s);
+    case 3: return plan_extents(work, s);
+    case 4: return plan_mantissas(s, b);
+    case 5: plan_slopes(work, s, b); return plan_evaluation(s, b);
+    default: return plan_places<Kind>(work, s, b);
   }
 }

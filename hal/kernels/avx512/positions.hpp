@@ -3,20 +3,21 @@
 #pragma once
 
 // Offsets from the base texel: value 2^-bits, to be rounded by adding half and cutting.
-struct offsets { v16 u[quads], v[quads], e[quads]; int bits; uint32_t half; };
+struct offsets { v16 u[quads], v[quads], e[quads]; int bits; uint32_t half; };  // e: 2^-slope_log2 of it
 
-// The slope as the series take it: in the upper half of each lane, lower half zero.
-SPANTEX_INLINE v16 slope16(v16 e, v16 slope_log2) { return _mm512_and_si512(_mm512_sllv_epi32(e, _mm512_sub_epi32(_mm512_setzero_si512(), slope_log2)), upper()); }
+// The slope as series take it: in the upper half of each lane, lower half zero.
+SPANTEX_INLINE v16 slope16(v16 e) { return _mm512_and_si512(e, upper()); }
+SPANTEX_INLINE v16 slope_of(v16 e, int slope_log2) { return _mm512_srav_epi32(e, set32(-slope_log2)); }
 
 // Of what is there, lower half zero.
 SPANTEX_INLINE v16 upper_difference(v16 x, v16 y) { return _mm512_maskz_sub_epi16(0xAAAAAAAA, x, y); }
 
-// q of the series, likewise.
+// q of the series, likewise; square: that of e16.
 template <int Terms>
-SPANTEX_INLINE v16 series16(v16 e16, v16 drop) {
+SPANTEX_INLINE v16 series16(v16 e16, v16 square, v16 drop) {
   v16 r = e16;
 #pragma GCC unroll 4
-  for (int k = 1; k < Terms; ++k) r = upper_difference(e16, _mm512_srav_epi32(_mm512_madd_epi16(e16, r), drop));
+  for (int k = 1; k < Terms; ++k) r = upper_difference(e16, _mm512_srav_epi32(k == 1 ? square : _mm512_madd_epi16(e16, r), drop));
   return r;
 }
 
@@ -24,30 +25,38 @@ SPANTEX_INLINE v16 by_series16(v16 n, v16 r, v16 drop) {
   return _mm512_sub_epi32(n, _mm512_srav_epi32(_mm512_madd_epi16(n, r), drop));
 }
 
+// Slopes and their squares.
+struct slopes16 {
+  v16 e16[quads], square[quads];
+  SPANTEX_INLINE explicit slopes16(const v16 (&e)[quads]) {
+#pragma GCC unroll 4
+    for (int n = 0; n < quads; ++n) {
+      e16[n] = slope16(e[n]);
+      square[n] = _mm512_madd_epi16(e16[n], e16[n]);
+    }
+  }
+};
+
 template <int Terms>
-SPANTEX_INLINE void divide_by_series(v16 slope_log2, offsets& o) {
-  const v16 drop = _mm512_sub_epi32(of32<-2>(), slope_log2);
+SPANTEX_INLINE void divide_by_series(v16 drop, const slopes16& w, offsets& o) {
 #pragma GCC unroll 4
   for (int n = 0; n < quads; ++n) {
-    const v16 r = series16<Terms>(slope16(o.e[n], slope_log2), drop);
+    const v16 r = series16<Terms>(w.e16[n], w.square[n], drop);
     o.u[n] = by_series16(o.u[n], r, drop);
     o.v[n] = by_series16(o.v[n], r, drop);
   }
 }
 
-// 1/w of sixteen pixels, u1.30, as even and odd lanes in 64 bits each.
+// 1/w of sixteen pixels, u1.30, in the lower halves of the even and of the odd lanes' 64 bits; what is above is anything.
 struct reciprocals16 { v8 even, odd; };
-SPANTEX_INLINE v8 reciprocal_of_w8(v8 w) {  // reciprocal_of_w(w, 30)
-  const __mmask8 small = _mm512_cmplt_epu64_mask(w, of64<int64_t(1) << 30>());
-  const v8 one = of64<1>(), two = _mm512_add_epi64(one, one);
-  const v8 m = _mm512_sllv_epi64(w, _mm512_mask_mov_epi64(one, small, two));
-  const v8 y = reciprocal8(m);
-  const v8 shift = _mm512_mask_mov_epi64(two, small, one), half = _mm512_mask_mov_epi64(two, small, one);
-  return _mm512_srlv_epi64(_mm512_add_epi64(y, half), shift);
-}
-SPANTEX_INLINE reciprocals16 reciprocal16(v16 e) {
-  const v16 w = _mm512_add_epi32(e, of32<1 << 30>());
-  return {reciprocal_of_w8(_mm512_and_si512(w, of64<0xFFFFFFFF>())), reciprocal_of_w8(_mm512_srli_epi64(w, 32))};
+SPANTEX_INLINE reciprocals16 reciprocal16(v16 e) {  // reciprocal_of_w(w, 30)
+  const v16 w = _mm512_add_epi32(e, of32<1 << 30>()), twice = _mm512_add_epi32(w, w);
+  const __mmask16 large = _mm512_cmpge_epu32_mask(w, of32<1 << 30>());
+  const v16 m = _mm512_mask_mov_epi32(_mm512_add_epi32(twice, twice), large, twice), seed = reciprocal_seeds16(m);
+  const v8 even = newton8(m, _mm512_maskz_mov_epi32(0x5555, seed)), odd = newton8(_mm512_srli_epi64(m, 32), _mm512_srli_epi64(seed, 32));
+  const v16 y = _mm512_mask_mov_epi32(even, 0xAAAA, _mm512_slli_epi64(odd, 32));
+  const v16 t = _mm512_mask_srli_epi32(y, large, y, 1), r = _mm512_sub_epi32(t, _mm512_srli_epi32(t, 1));  // (y + 2) >> 2 where large, else (y + 1) >> 1
+  return {r, _mm512_srli_epi64(r, 32)};
 }
 
 // n / w with 14 fraction bits, rounded, as for coordinate_bits.
@@ -58,11 +67,11 @@ SPANTEX_INLINE v16 by_divide16(v16 n, const reciprocals16& r, v8 shift) {
   return _mm512_mask_mov_epi32(even, 0xAAAA, _mm512_slli_epi64(odd, 32));
 }
 
-SPANTEX_INLINE void divide(offsets& o) {
+SPANTEX_INLINE void divide(int slope_log2, offsets& o) {
   const v8 shift = set(o.bits - q.coordinate_bits + q.reciprocal_bits);
 #pragma GCC unroll 4
   for (int n = 0; n < quads; ++n) {
-    reciprocals16 r = reciprocal16(o.e[n]);
+    reciprocals16 r = reciprocal16(slope_of(o.e[n], slope_log2));
     o.u[n] = by_divide16(o.u[n], r, shift);
     o.v[n] = by_divide16(o.v[n], r, shift);
   }
@@ -70,11 +79,11 @@ SPANTEX_INLINE void divide(offsets& o) {
   o.half = 0;
 }
 
-SPANTEX_INLINE void forms(v16 c, int32_t x, int32_t y, v16 (&out)[quads]) {
-  const v16 hx = _mm512_setr_epi32(-7, -5, -3, -1, -7, -5, -3, -1, -7, -5, -3, -1, -7, -5, -3, -1);
-  const v16 hy = _mm512_setr_epi32(-7, -7, -7, -7, -5, -5, -5, -5, -3, -3, -3, -3, -1, -1, -1, -1);
-  const v16 a = set32(x), b = set32(y), right = _mm512_slli_epi32(a, 3), below = _mm512_slli_epi32(b, 3);
-  out[0] = _mm512_add_epi32(_mm512_add_epi32(c, _mm512_mullo_epi32(a, hx)), _mm512_mullo_epi32(b, hy));
+SPANTEX_INLINE void forms_of(const batch_forms& f, int k, v16 (&out)[quads]) {
+  const auto four = [](const int32_t (&of)[quad_side]) { return _mm_load_si128(reinterpret_cast<const __m128i*>(of)); };
+  const v16 rows = _mm512_setr_epi32(0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3);
+  const v16 right = set32(f.right[k]), below = set32(f.below[k]);
+  out[0] = _mm512_add_epi32(_mm512_broadcast_i32x4(four(f.across[k])), _mm512_permutexvar_epi32(rows, _mm512_castsi128_si512(four(f.down[k]))));
   out[1] = _mm512_add_epi32(out[0], right);
   out[2] = _mm512_add_epi32(out[0], below);
   out[3] = _mm512_add_epi32(out[1], below);
@@ -83,22 +92,32 @@ SPANTEX_INLINE void forms(v16 c, int32_t x, int32_t y, v16 (&out)[quads]) {
 // The pixels of quad n.
 SPANTEX_INLINE span_mask pixels_of(int n) { return span_mask(0x0F0F0F0F) << (32 * (n >> 1) + 4 * (n & 1)); }
 
-SPANTEX_INLINE offsets offsets_of(const batch& b, int k) {
-  offsets o;
-  forms(set32(b.c_u[k]), b.a_u[k], b.b_u[k], o.u);
-  forms(set32(b.c_v[k]), b.a_v[k], b.b_v[k], o.v);
-  forms(_mm512_setzero_si512(), b.g[k], b.h[k], o.e);
-  o.bits = b.exponent[k];
-  o.half = 1u << (o.bits - q.coordinate_bits - 1);
-  const v16 slope_log2 = set32(b.slope_log2[k]);
+SPANTEX_INLINE void evaluate(const batch& b, int k, const slopes16& w, offsets& o) {
+  const v16 drop = set32(b.series_drop[k]);
   switch (b.terms[k]) {
     case 0: break;
-    case 1: divide_by_series<1>(slope_log2, o); break;
-    case 2: divide_by_series<2>(slope_log2, o); break;
-    case 3: divide_by_series<3>(slope_log2, o); break;
-    case 4: divide_by_series<4>(slope_log2, o); break;
-    default: divide(o); break;
+    case 1: divide_by_series<1>(drop, w, o); break;
+    case 2: divide_by_series<2>(drop, w, o); break;
+    case 3: divide_by_series<3>(drop, w, o); break;
+    case 4: divide_by_series<4>(drop, w, o); break;
+    default: divide(b.slope_log2[k], o); break;
   }
+}
+
+// Before they are divided.
+SPANTEX_INLINE offsets forms_of(const batch& b, int k) {
+  offsets o;
+  forms_of(b.u, k, o.u);
+  forms_of(b.v, k, o.v);
+  forms_of(b.e, k, o.e);
+  o.bits = b.exponent[k];
+  o.half = 1u << (o.bits - q.coordinate_bits - 1);
+  return o;
+}
+
+SPANTEX_INLINE offsets offsets_of(const batch& b, int k) {
+  offsets o = forms_of(b, k);
+  evaluate(b, k, slopes16(o.e), o);
   return o;
 }
 
@@ -109,14 +128,17 @@ SPANTEX_INLINE positions positions_of(const batch& b, int k, const offsets& o, i
 // Drops the bits that keep positions modulo 32 texels of any level up to this one from fitting 32 bits, half a dozen where a map has many levels. The last level
 // that a map may have is one texel, the same wherever it is read.
 constexpr int32_t last_of_several_texels = max_levels - 2;
+SPANTEX_INLINE void drop_bits(int drop, v16 (&u)[quads], v16 (&v)[quads]) {
+#pragma GCC unroll 4
+  for (int n = 0; n < quads; ++n) {
+    u[n] = _mm512_srav_epi32(u[n], set32(drop));
+    v[n] = _mm512_srav_epi32(v[n], set32(drop));
+  }
+}
 SPANTEX_INLINE void shorten(int last_level, v16 (&u)[quads], v16 (&v)[quads], int& bits, uint32_t& half) {
   const int drop = bits + min_of(last_level, last_of_several_texels) - 27;
   if (drop <= 0) return;
-#pragma GCC unroll 4
-  for (int n = 0; n < quads; ++n) {
-    u[n] = _mm512_sra_epi32(u[n], _mm_cvtsi32_si128(drop));
-    v[n] = _mm512_sra_epi32(v[n], _mm_cvtsi32_si128(drop));
-  }
+  drop_bits(drop, u, v);
   bits -= drop;
   half >>= drop;
 }
@@ -131,6 +153,13 @@ SPANTEX_INLINE SPANTEX_WRAPS v16 snapped16(const positions& p, int level) {
   const int drop = p.bits + level - q.subtexel_bits;
   const uint32_t half = 1u << (drop - 1), start = p.half + half - (half << q.subtexel_bits);
   return snapped16(p.u, p.v, set32(int32_t((uint32_t(p.base_u) << p.bits) + start)), set32(int32_t((uint32_t(p.base_v) << p.bits) + start)), set32(drop), set32(drop - 16));
+}
+
+// The same, half of them and what they are relative to in `from`.
+template <class C>
+SPANTEX_INLINE v16 snapped_by(const C& c, v16 u, v16 v, int32_t from_u, int32_t from_v, int32_t drop, int32_t turn) {
+  const v16 x = _mm512_srlv_epi32(_mm512_add_epi32(u, set32(from_u)), set32(drop)), y = _mm512_rorv_epi32(_mm512_add_epi32(v, set32(from_v)), set32(turn));
+  return _mm512_mask_mov_epi16(y, __mmask32(c.even), x);
 }
 
 // The same for a span's quads on several levels each: what to add and how far to shift. Fine levels of the four quads, then the coarse ones, then those after them.
@@ -160,10 +189,7 @@ struct alignas(32) snapping {
   }
 
   template <class C>
-  SPANTEX_INLINE v16 at(const C& c, v16 u, v16 v, int k) const {
-    const v16 x = _mm512_srlv_epi32(_mm512_add_epi32(u, set32(from_u[k])), set32(drop[k])), y = _mm512_rorv_epi32(_mm512_add_epi32(v, set32(from_v[k])), set32(turn[k]));
-    return _mm512_mask_mov_epi16(y, __mmask32(c.even), x);
-  }
+  SPANTEX_INLINE v16 at(const C& c, v16 u, v16 v, int k) const { return snapped_by(c, u, v, from_u[k], from_v[k], drop[k], turn[k]); }
 };
 
 // A level whose sides do not halve exactly: positions on it are products of positions from the origin, s15.16, with the ratio of its sides to level 0's.

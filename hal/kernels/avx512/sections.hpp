@@ -29,12 +29,10 @@ struct quad_section {
   }
 };
 
-constexpr uint64_t columns_below[block_side] = {0, 0x0101010101010101, 0x0303030303030303, 0x0707070707070707, 0x0F0F0F0F0F0F0F0F, 0x1F1F1F1F1F1F1F1F,
-                                                0x3F3F3F3F3F3F3F3F, 0x7F7F7F7F7F7F7F7F};
-
-// One quad's section as place() left it.
-SPANTEX_INLINE quad_section section_of(const batch& b, const uint8_t* origin, int k, int n) {
-  return {origin, b.at[0][0][n][k], b.at[0][1][n][k], b.at[1][0][n][k], b.at[1][1][n][k], columns_below[b.column[n][k]]};
+// One quad's section of a span, as find_sections() left it.
+template <bool Wide>
+SPANTEX_INLINE quad_section section_of(const uint8_t* blocks, const batch_sections& s, int k, int n) {
+  return {blocks, s.at[0][0][n][k], s.at[0][1][n][k], s.at[1][0][n][k], s.at[1][1][n][k], Wide ? 0 : s.merged[n][k]};
 }
 
 // The sections of a span's four quads on a level each, from planar_map::blocks(). Wide: up to 16 columns, the even blocks near; else up to 8, the

@@ -8,7 +8,7 @@
 struct texels16 { v16 u, v; };
 SPANTEX_INLINE texels16 texels_of(const positions& p) {
   const auto at = [&](v16 offset, int32_t base) {
-    const v16 fraction = _mm512_sra_epi32(_mm512_add_epi32(offset, set32(int32_t(p.half))), _mm_cvtsi32_si128(p.bits - q.coordinate_bits));
+    const v16 fraction = _mm512_srav_epi32(_mm512_add_epi32(offset, set32(int32_t(p.half))), set32(p.bits - q.coordinate_bits));
     return _mm512_add_epi32(_mm512_slli_epi32(fraction, 16 - q.coordinate_bits), set32(base << 16));
   };
   return {at(p.u, p.base_u), at(p.v, p.base_v)};
@@ -157,11 +157,15 @@ SPANTEX_INLINE bool draw_bilinear(const row_work& work, const batch& b, int k) {
   sampling<up_of_one> from;
   colouring as;
   v16 out[quads];
-  if (b.placed & ~b.wide & (1u << k)) {
-    const uint8_t* const origin = map.blocks() + map.levels().origin[0];
+  const auto drawn = [&]<bool Wide>() SPANTEX_INLINED {
     shorten(0, o.u, o.v, o.bits, o.half);
 #pragma GCC unroll 4
-    for (int n = 0; n < quads; ++n) out[n] = bilinear16<Channels, false>(as, section_of(b, origin, k, n), samples16(from, snapped16(positions_of(b, k, o, n), 0)));
+    for (int n = 0; n < quads; ++n) out[n] = bilinear16<Channels, Wide>(as, section_of<Wide>(map.blocks(), b.sections, k, n), samples16(from, snapped16(positions_of(b, k, o, n), 0)));
+  };
+  if (b.placed & ~b.wide & (1u << k)) {
+    drawn.template operator()<false>();
+  } else if (b.placed >> k & 1) {
+    drawn.template operator()<true>();
   } else {
     span_sections sections;
     const v16 level = _mm512_setzero_si512();
@@ -187,16 +191,19 @@ SPANTEX_INLINE v16 texel_of_rows(const rgba8* at, int32_t stride, v16 index) {
 SPANTEX_INLINE bool draw_nearest(const row_work& work, const batch& b, int k) {
   const planar_map& map = *work.texels;
   offsets o = offsets_of(b, k);
-  const v16 half = set32(int32_t(o.half)), bits = set32(o.bits);
   v16 out[quads];
   if (b.placed >> k & 1) {
+    const v16 column_bits = set32(b.column_bits[k]), row_bits = set32(b.row_bits[k]), across = of32<block_side - 1>();
+    if (o.bits != b.column_bits[k]) [[unlikely]] {
+      drop_bits(o.bits - b.column_bits[k], o.u, o.v);
+    }
 #pragma GCC unroll 4
     for (int n = 0; n < quads; ++n) {
-      const v16 u = _mm512_add_epi32(_mm512_srav_epi32(_mm512_add_epi32(o.u[n], half), bits), set32(b.from[n][0][k]));
-      const v16 v = _mm512_add_epi32(_mm512_srav_epi32(_mm512_add_epi32(o.v[n], half), bits), set32(b.from[n][1][k]));
-      out[n] = texel_of_rows(map.row(0) + b.row_at[n][k], map.row_stride(), _mm512_add_epi32(_mm512_slli_epi32(v, 3), u));
+      const v16 u = _mm512_srlv_epi32(_mm512_add_epi32(o.u[n], set32(b.from[n][0][k])), column_bits), v = _mm512_srlv_epi32(_mm512_add_epi32(o.v[n], set32(b.from[n][1][k])), row_bits);
+      out[n] = texel_of_rows(map.row(0) + b.row_at[n][k], map.row_stride(), _mm512_ternarylogic_epi32(v, u, across, 0xD8));
     }
   } else {
+    const v16 half = set32(int32_t(o.half)), bits = set32(o.bits);
     const v16 base_u = set32(b.base_u[k]), base_v = set32(b.base_v[k]), stride = set32(map.row_stride());
     for (int n = 0; n < quads; ++n) {
       const v16 u = _mm512_add_epi32(_mm512_srav_epi32(_mm512_add_epi32(o.u[n], half), bits), base_u);
