@@ -131,6 +131,9 @@ struct next_batch {
     }
     plan_part<Kind>(k, work, steps, s, b);
   }
+  SPANTEX_INLINE void all() {
+    for (int k = 0; k < plan_parts; ++k) part(k);
+  }
 };
 
 // Spans of a batch, bit k for span k, one after another.
@@ -138,7 +141,11 @@ template <filter Kind, int Channels>
 SPANTEX_INLINE void draw_batch(const row_work& work, const batch& b, uint32_t spans, next_batch<Kind>& next) {
   bool held = true;  // a span after one that local memory does not hold is left as well: it is like it as a rule
   for (int k = 0; k < batch_size; ++k) {
-    if (k < plan_parts) next.part(k);
+    if constexpr (Kind == filter::nearest) {
+      if (k == 0) next.all();  // spans are shorter than what parts would leave to each other in memory
+    } else if (k < plan_parts) {
+      next.part(k);
+    }
     if (!(spans >> k & 1)) continue;
     if constexpr (Kind == filter::nearest) held = draw_nearest(work, b, k);
     else if constexpr (Kind == filter::bilinear) held = held && draw_bilinear<Channels>(work, b, k);
@@ -204,7 +211,7 @@ void draw_row(const row_work& work) {
   batch two[2];
   setup s;
   next_batch<Kind> start{work, steps, s, begin, two[0]};
-  for (int k = 0; k < plan_parts; ++k) start.part(k);
+  start.all();
   for (int first = begin, after, turn = 0; first < work.count; first = after, turn ^= 1) {
     const batch& b = two[turn];
     after = order.next(first + batch_size);

@@ -18,17 +18,25 @@ constexpr int32_t least_ratio_of(int samples) {
 }
 
 // By number of samples n: where the first two lie along a row, and the next two, from its middle, 2^-16 of its length: (n - 1) / 2n, (n - 3) / 2n, of
-// floor((2^16 + n) / 2n); ceil(2^18 / n).
+// floor((2^16 + n) / 2n); ceil(2^14 / n).
 struct alignas(64) sample_tables {
   int32_t from_middle[most_samples / 2][16], inverse[16];
   constexpr sample_tables() : from_middle(), inverse() {
     for (int n = 1; n <= most_samples; ++n) {
       for (int k = 0; k < most_samples / 2; ++k) from_middle[k][n] = max_of(n - 1 - 2 * k, 0) * ((65536 + n) / (2 * n));
-      inverse[n] = ((1 << 18) + n - 1) / n;
+      inverse[n] = ((1 << 14) + n - 1) / n;
     }
   }
 };
 constexpr sample_tables of_samples{};
+
+constexpr bool inverses_divide() {
+  for (int n = 1; n <= most_samples; ++n)
+    for (int x = 0; x <= 255 * n + n / 2; ++x)
+      if ((x * of_samples.inverse[n]) >> 14 != x / n) return false;
+  return true;
+}
+static_assert(inverses_divide());
 SPANTEX_INLINE v16 look_up(const int32_t (&table)[16], v16 k) { return _mm512_permutexvar_epi32(k, _mm512_load_si512(table)); }
 
 // A span's rows: positions include the base, s15.16 as well as how far samples 2 k and 2 k + 1 lie to either side.
@@ -95,16 +103,27 @@ SPANTEX_INLINE v16 along16(const lengths32& length, v16 m) {
 
 // mean() of sums with 16 bits of fraction over n samples, halves to even; in bits 16 to 23.
 SPANTEX_INLINE v16 mean16(v16 sum, v16 n, v16 inverse) {
-  const v16 t = _mm512_add_epi32(sum, _mm512_slli_epi32(n, 15)), whole = _mm512_srli_epi32(_mm512_mullo_epi32(_mm512_srli_epi32(t, 16), inverse), 18);
-  const __mmask16 tie = _mm512_cmpeq_epi32_mask(_mm512_slli_epi32(_mm512_mullo_epi32(whole, n), 16), t);
+  const v16 t = _mm512_add_epi32(sum, _mm512_slli_epi32(n, 15)), whole = _mm512_srli_epi32(_mm512_madd_epi16(_mm512_srli_epi32(t, 16), inverse), 14);
+  const __mmask16 tie = _mm512_cmpeq_epi32_mask(_mm512_slli_epi32(_mm512_madd_epi16(whole, n), 16), t);
   return _mm512_slli_epi32(_mm512_mask_andnot_epi32(whole, tie, of32<1>(), whole), 16);
+}
+// Of one or two samples; `one`: lanes of one.
+SPANTEX_INLINE v16 mean_of_two16(v16 sum, __mmask16 one) {
+  const v16 t = _mm512_add_epi32(_mm512_mask_add_epi32(sum, one, sum, sum), of32<0xFFFF>());  // of 2^17
+  return _mm512_srli_epi32(_mm512_add_epi32(t, _mm512_and_si512(_mm512_srli_epi32(t, 17), of32<1>())), 1);
 }
 
 template <int Channels>
 SPANTEX_INLINE v16 mean_of(const colouring& as, const row_span& s, int n, v16 (&sum)[Channels]) {
-  const v16 inverse = look_up(of_samples.inverse, s.samples[n]);
+  if (s.most == 2) {
+    const __mmask16 one = _mm512_cmpeq_epi32_mask(s.samples[n], of32<1>());
 #pragma GCC unroll 4
-  for (int m = 0; m < Channels; ++m) sum[m] = mean16(sum[m], s.samples[n], inverse);
+    for (int m = 0; m < Channels; ++m) sum[m] = mean_of_two16(sum[m], one);
+  } else {
+    const v16 inverse = look_up(of_samples.inverse, s.samples[n]);
+#pragma GCC unroll 4
+    for (int m = 0; m < Channels; ++m) sum[m] = mean16(sum[m], s.samples[n], inverse);
+  }
   return as.packed(sum);
 }
 
