@@ -7,14 +7,14 @@ SPANTEX_INLINE wide products_from(v a, v b, auto&& product) { return {product(v_
 SPANTEX_INLINE wide unsigned_products(v a, v b) { return products_from(a, b, [](v_64 x, v_64 y) SPANTEX_INLINED { return wide_products(x, y); }); }
 SPANTEX_INLINE wide signed_products(v a, v b) { return products_from(a, b, [](v_64 x, v_64 y) SPANTEX_INLINED { return wide_signed_products(x, y); }); }
 
-SPANTEX_INLINE v_64 rounded_shift(v_64 x, int shift) { return (x + (uint64_t(1) << (shift - 1))) >> shift; }  // to nearest, halves up
+SPANTEX_INLINE v_64 rounded_shift(v_64 x, int shift) { return down_by(x + (uint64_t(1) << (shift - 1)), shift); }  // to nearest, halves up
 
 SPANTEX_INLINE v narrowed(const wide& x) { return v((x.first & 0xFFFFFFFF) | x.second << 32); }
 
 // After a rounded shift by 32 or more.
 SPANTEX_INLINE v narrowed(const wide& x, int shift) {
   const uint64_t half = uint64_t(1) << (shift - 1);
-  return v(((x.first + half) >> 32) | ((x.second + half) & 0xFFFFFFFF00000000)) >> (shift - 32);
+  return down_by(v(((x.first + half) >> 32) | ((x.second + half) & 0xFFFFFFFF00000000)), shift - 32);
 }
 
 // reciprocal_wide()

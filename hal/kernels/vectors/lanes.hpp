@@ -22,6 +22,34 @@ SPANTEX_INLINE v get(const int32_t* from) {
   return x;
 }
 SPANTEX_INLINE void put(void* to, v x) { __builtin_memcpy(to, &x, sizeof x); }
+
+// All lanes shifted alike. Shifts by a number in a register of its own take two operations on Intel, shifts lane by lane one.
+SPANTEX_INLINE v down_by(v x, int n) {
+#if SPANTEX_AVX2
+  if (!__builtin_constant_p(n)) return v(_mm256_srav_epi32(__m256i(x), __m256i(set(n))));
+#endif
+  return x >> n;
+}
+SPANTEX_INLINE v up_by(v x, int n) {
+#if SPANTEX_AVX2
+  if (!__builtin_constant_p(n)) return v(_mm256_sllv_epi32(__m256i(x), __m256i(set(n))));
+#endif
+  return x << n;
+}
+SPANTEX_INLINE v down_by(v x, v n) { return x >> n; }
+SPANTEX_INLINE v_64 down_by(v_64 x, int n) {
+#if SPANTEX_AVX2
+  if (!__builtin_constant_p(n)) return v_64(_mm256_srlv_epi64(__m256i(x), __m256i(v_64{} + uint64_t(n))));
+#endif
+  return x >> n;
+}
+SPANTEX_INLINE v_64 up_by(v_64 x, int n) {
+#if SPANTEX_AVX2
+  if (!__builtin_constant_p(n)) return v_64(_mm256_sllv_epi64(__m256i(x), __m256i(v_64{} + uint64_t(n))));
+#endif
+  return x << n;
+}
+
 SPANTEX_INLINE v least(v a, v b) { return a < b ? a : b; }
 SPANTEX_INLINE v largest(v a, v b) { return a > b ? a : b; }
 

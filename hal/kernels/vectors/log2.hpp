@@ -56,10 +56,10 @@ SPANTEX_INLINE bool normalised(const wide (&s)[N], v* out) {
   for (const wide& one : s) either |= one.first | one.second;
   for (int k = 0; k < half; ++k) any |= either[k];
   const int zeros = __builtin_clzll(any | 1);
-  for (const wide& one : s) both &= (one.first & one.second) << zeros;
+  for (const wide& one : s) both &= up_by(one.first & one.second, zeros);
   for (int k = 0; k < half; ++k) all &= both[k];
   if (all >> 63 != 0) [[likely]] {  // one shift for all of them, as their lengths are much the same
-    for (int n = 0; n < N; ++n) out[n] = narrowed({s[n].first << zeros >> drop, s[n].second << zeros >> drop}) + (62 - zeros) * (1 << significand_bits);
+    for (int n = 0; n < N; ++n) out[n] = narrowed({up_by(s[n].first, zeros) >> drop, up_by(s[n].second, zeros) >> drop}) + (62 - zeros) * (1 << significand_bits);
     return true;
   }
   bool nonzero = true;

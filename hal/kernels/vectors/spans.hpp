@@ -104,7 +104,7 @@ struct alignas(sizeof(v)) lanes_places { int32_t top[width], fraction[width]; };
 
 template <bool MasksOnly, class Shift>
 SPANTEX_INLINE void place_lanes(const on_level<Shift>& l, v position_u, v position_v, const span_positions& p, lanes_places& out, v rest_u = v{}, v rest_v = v{}) {
-  v u = (position_u + l.add_u) >> l.cut, w = (position_v + l.add_v) >> l.cut;
+  v u = down_by(position_u + l.add_u, l.cut), w = down_by(position_v + l.add_v, l.cut);
   if constexpr (!MasksOnly && sizeof(Shift) == sizeof(int32_t)) {
     if (l.scaled) {
       u = narrowed(signed_products(((position_u + p.origin_u) << rest_bits) + rest_u, l.ratio_u), l.shift_u) + l.add_u;
