@@ -78,7 +78,7 @@ SPANTEX_INLINE __mmask8 find_sections(const planar_map& map, __m256i level, cons
   for (int n = 0; n < quads; ++n) {
     const auto held = [&](v16 k) SPANTEX_INLINED { return _mm512_max_epi32(_mm512_min_epi32(k, last), of32<-apron>()); };
     const v16 k0 = held(block0[n]), k1 = held(block1[n]);
-    bad |= strict & (_mm512_cmpneq_epi32_mask(k0, block0[n]) | _mm512_cmpneq_epi32_mask(k1, block1[n]));
+    bad = __mmask16(bad | (strict & (_mm512_cmpneq_epi32_mask(k0, block0[n]) | _mm512_cmpneq_epi32_mask(k1, block1[n]))));
     const __mmask16 swap = _mm512_mask_test_epi32_mask(even_first, block0[n], one);
     const v16 even = _mm512_mullo_epi32(_mm512_mask_mov_epi32(k0, swap, k1), bytes), odd = _mm512_mullo_epi32(_mm512_mask_mov_epi32(k1, swap, k0), bytes);
     const __m256i x0 = _mm256_add_epi32(_mm512_castsi512_si256(even), origin), x1 = _mm256_add_epi32(_mm512_castsi512_si256(odd), origin);
