@@ -80,6 +80,18 @@ SPANTEX_CASE(turned_planes_between_levels) {
     }
 }
 
+// Quads wider than their pixels' steps let one expect: u grows across and down alike. And texels that take many pixels: offsets are smaller than one, with many bits.
+SPANTEX_CASE(sheared_and_magnified_planes) {
+  const ready_map map(random_map(512, 512), wrap::repeat);
+  for (const double scale : {1.35, 1.9, 2.7, 5.4, 0.11, 0.021, 0.006, 0.0013})
+    for (const double other : {0.04, -0.3}) {
+      const double m[9] = {scale, scale, 100.4, other * scale, -other * scale, 20.4, 0, 0.0001 * scale, 1};
+      plane p{};
+      SPANTEX_ASSERT_OK(make_plane(homography_of(m), {0, 0, 160, 96}, p));
+      for (const filter kind : filters) draw_all(p, map, kind, {0, 0, 160, 96}, 160, 96);
+    }
+}
+
 // Sides whose halves are rounded down: positions on their levels are products, of positions from the origin, however far.
 SPANTEX_CASE(levels_that_do_not_halve_exactly) {
   static constexpr int32_t sides[][2] = {{500, 375}, {640, 480}, {100, 37}, {7, 300}, {300, 250}, {96, 80}};
