@@ -526,7 +526,6 @@ if "avx512_vbmi" in pathlib.Path("/proc/cpuinfo").read_text():
         ("AVX-512: bases up to the end of the range", "hal/kernels/avx512/lanes.hpp", " - max_texture_side / 4;", ";", "kernels", "samples_next*", KERNELS),
         ("AVX-512: quads' bounds without what is divided", "hal/kernels/avx512/places.hpp", "_mm512_add_epi32(_mm512_sllv_epi32(one, _mm512_add_epi32(x, error)), ", "_mm512_add_epi32(_mm512_setzero_si512(), ", "kernels", "random_planes*", KERNELS),
         ("AVX-512: wide quads from narrow sections", "hal/kernels/avx512/places.hpp", "wide = MayBeWide ? __mmask8(large) : __mmask8(0);", "wide = 0;", "kernels", "random_planes*", KERNELS),
-        ("AVX-512: wide coarse quads from narrow sections", "hal/kernels/avx512/places.hpp", "if (!MayBeWide) bad |= large;", "", "kernels", "sheared_and*", KERNELS),
         ("AVX-512: spans on several whole levels on one", "hal/kernels/avx512/levels.hpp", "_mm512_test_epi32_mask(differs, of32<-(1 << q.level_bits)>()) == 0;", "true;", "kernels", "random_planes*", KERNELS),
         ("AVX-512: spans alone on a level that are not", "hal/kernels/avx512/levels.hpp", "!TwoLevels || _mm512_test_epi32_mask(any, of32<(1 << q.level_bits) - 1>()) == 0};", "true};", "kernels", "random_planes*", KERNELS),
         ("AVX-512: positions on alike levels in more than 32 bits", "hal/kernels/avx512/places.hpp", "_mm256_cmple_epi32_mask(_mm256_add_epi32(bits, coarse), _mm256_set1_epi32(27)) &", "", "kernels", "random_planes*", KERNELS),

@@ -352,6 +352,7 @@ int main() {
       cmocka_unit_test(rows_of_fewer_samples),
       cmocka_unit_test(minified_planes),
       cmocka_unit_test(turned_planes_between_levels),
+      cmocka_unit_test(sheared_and_magnified_planes),
       cmocka_unit_test(levels_that_do_not_halve_exactly),
       cmocka_unit_test(long_rows_on_small_maps),
       cmocka_unit_test(rows_beyond_a_period),
