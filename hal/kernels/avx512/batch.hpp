@@ -32,7 +32,6 @@ struct alignas(64) batch {
   int32_t c_u[batch_size], a_u[batch_size], b_u[batch_size], c_v[batch_size], a_v[batch_size], b_v[batch_size];
   batch_forms u, v, e;                                   // of those; e 2^-slope_log2 takes the whole of 31 bits
   batch_forms axis_u, axis_v;                            // aniso
-  uint32_t level;                                        // bit k: w is constant
   int32_t base_u[batch_size], base_v[batch_size];       // modulo the map's period
   int32_t origin_u[batch_size], origin_v[batch_size];   // before that
   int32_t exponent[batch_size], slope_log2[batch_size];
@@ -48,6 +47,7 @@ struct alignas(64) batch {
   int32_t axis_exponent[batch_size], area_log2[batch_size];  // the area's in 2^-16
   int32_t sx, first;                                     // the first span: on the screen, and of the row's work
   uint32_t usable;                                       // bit k: span k is in here
+  uint32_t level;                                        // aniso; bit k: w is constant
   uint32_t magnified;                                    // bit k: every pixel's level of detail is 0
   uint32_t placed, wide;                                 // bit k: its sections are known; one of them is more than 8 texels across
 };
