@@ -92,6 +92,30 @@ SPANTEX_CASE(sheared_and_magnified_planes) {
     }
 }
 
+// W grows fast while positions hardly move: what bounds them takes all bits of an offset, and as much again for the division.
+SPANTEX_CASE(positions_that_stand_still_while_w_does_not) {
+  static constexpr struct { int32_t width, height; double m[9]; } every[] = {
+      {500, 375, {4.7968157661003348, 1.9525313115119451, 66.893349392437415, 12.808930853713438, 5.2516022812216727, 178.82377685727567, 0.071551448077398536, 0.029308756492044542, 1}},
+      {512, 512, {4.1349488401711314, 13.218981041925565, 100.90870038197508, 2.6562754015163152, 8.5236437626575476, 64.906727063426771, 0.04084894811487727, 0.13112214363255073, 1}},
+      {500, 375, {2.0528054628219006, 19.620920677492112, 102.96070228131008, 0.41684758312651482, 4.006836306022775, 21.017424913680969, 0.019920084695935397, 0.19055696734715374, 1}}};
+  for (const auto& one : every) {
+    const ready_map map(random_map(one.width, one.height), wrap::repeat);
+    plane p{};
+    SPANTEX_ASSERT_OK(make_plane(homography_of(one.m), {0, 0, 136, 72}, p));
+    for (const filter kind : filters) draw_all(p, map, kind, {0, 0, 136, 72}, 136, 72);
+  }
+  random_source random(31);
+  const ready_map map(random_map(512, 512), wrap::mirror);
+  const auto unit = [&] { return double(random.next() >> 11) / 9007199254740992.0; };
+  for (int k = 0; k < (short_run() ? 20 : 400); ++k) {
+    const double g = exp2(-unit() * 6 - 2), h = exp2(-unit() * 6 - 2), tiny = exp2(-unit() * 6 - 4), turn = unit() * 6.3, u = unit() * 200, w = unit() * 200;
+    const double m[9] = {u * g + tiny * cos(turn), u * h - tiny * sin(turn), u, w * g + tiny * sin(turn), w * h + tiny * cos(turn), w, g, h, 1};
+    plane p{};
+    SPANTEX_ASSERT_OK(make_plane(homography_of(m), {0, 0, 136, 72}, p));
+    draw_all(p, map, filters[k % 5], {0, 0, 136, 72}, 136, 72);
+  }
+}
+
 // Sides whose halves are rounded down: positions on their levels are products, of positions from the origin, however far.
 SPANTEX_CASE(levels_that_do_not_halve_exactly) {
   static constexpr int32_t sides[][2] = {{500, 375}, {640, 480}, {100, 37}, {7, 300}, {300, 250}, {96, 80}};
@@ -353,6 +377,7 @@ int main() {
       cmocka_unit_test(minified_planes),
       cmocka_unit_test(turned_planes_between_levels),
       cmocka_unit_test(sheared_and_magnified_planes),
+      cmocka_unit_test(positions_that_stand_still_while_w_does_not),
       cmocka_unit_test(levels_that_do_not_halve_exactly),
       cmocka_unit_test(long_rows_on_small_maps),
       cmocka_unit_test(rows_beyond_a_period),

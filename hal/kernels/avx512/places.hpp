@@ -10,18 +10,20 @@ SPANTEX_INLINE v16 both_axes(__m256i u, __m256i v) { return _mm512_inserti64x4(_
 SPANTEX_INLINE v16 both_axes(int32_t u, int32_t v) { return both_axes(_mm256_set1_epi32(u), _mm256_set1_epi32(v)); }
 
 // Where quads lie on level 0, s15.16, u in the lower eight lanes, v in the upper: between the corners of the parallelogram that a quad would be if
-// nothing were divided. 1/w moves a position by less than 2^(extent + slope + 1); a 64th of a texel holds every rounding.
+// nothing were divided. 1/w moves a position by less than 2^(extent + slope + 1); a 64th of a texel holds every rounding. Mantissas are below 2^30, each of the two margins
+// is as much again at most: a quarter of them is added up, so that 32 bits hold the sum.
 struct quad_bounds {
   v16 middle, right, below, spread, to16, base;
   SPANTEX_INLINE explicit quad_bounds(const batch& b) {
-    const v16 a = both_axes(got(b.a_u), got(b.a_v)), d = both_axes(got(b.b_u), got(b.b_v)), x = _mm512_broadcast_i64x4(got(b.exponent));
+    const auto quarter = [](const int32_t (&u)[batch_size], const int32_t (&v)[batch_size]) SPANTEX_INLINED { return _mm512_srai_epi32(both_axes(got(u), got(v)), 2); };
+    const v16 a = quarter(b.a_u, b.a_v), d = quarter(b.b_u, b.b_v), x = _mm512_sub_epi32(_mm512_broadcast_i64x4(got(b.exponent)), of32<2>());
     const v16 steps = _mm512_add_epi32(_mm512_abs_epi32(a), _mm512_abs_epi32(d));
     const v16 error = _mm512_broadcast_i64x4(got(b.affine_log2)), one = of32<1>();
     const v16 margin = _mm512_add_epi32(_mm512_sllv_epi32(one, _mm512_add_epi32(x, error)), _mm512_sllv_epi32(one, _mm512_sub_epi32(x, of32<6>())));
     spread = _mm512_add_epi32(_mm512_add_epi32(steps, _mm512_slli_epi32(steps, 1)), margin);
     right = _mm512_slli_epi32(a, 2);
     below = _mm512_slli_epi32(d, 2);
-    middle = both_axes(got(b.c_u), got(b.c_v));
+    middle = quarter(b.c_u, b.c_v);
     to16 = _mm512_sub_epi32(x, of32<16>());
     base = _mm512_slli_epi32(both_axes(got(b.base_u), got(b.base_v)), 16);
   }
