@@ -40,7 +40,7 @@ SPANTEX_INLINE v16 reciprocal_seeds16(v16 m) {
   return _mm512_and_si512(_mm512_mask_mov_epi32(low, _mm512_test_epi32_mask(k, of32<64>()), high), of32<0xFFFF>());
 }
 
-// Its two steps in 64-bit lanes, of which m's upper halves may be anything. y is never above 2^63 / m, so that it needs no limit and no error is negative after the first step.
+// Its two steps in 64-bit lanes, of which m's upper halves may be anything; what is above the seed stays above the result. y is never above 2^63 / m, so that it needs no limit and no error is negative after the first step.
 SPANTEX_INLINE v8 newton8(v8 m, v8 seed) {
   const v8 error = _mm512_srai_epi64(_mm512_sub_epi64(of64<int64_t(1) << 47>(), _mm512_mul_epu32(m, seed)), 16);
   const v8 y = _mm512_add_epi64(_mm512_slli_epi64(seed, 16), _mm512_srai_epi64(_mm512_mul_epi32(seed, error), 15));

@@ -2,7 +2,7 @@
 // AVX-512 kernel: levels of detail of a span's pixels. Included by ../avx512.cpp alone.
 #pragma once
 
-// log2_length() of the eight rows, then of the eight columns, s.16.
+// log2_length() of the eight rows, then of the eight columns, s.16. What is squared is below 2^31 (vectors/levels.hpp).
 SPANTEX_INLINE v16 lengths16(v8 row_u, v8 row_v, v8 column_u, v8 column_v, int exponent) {
   const auto square = [&](v8 u, v8 v) { return _mm512_add_epi64(_mm512_mul_epi32(u, u), _mm512_mul_epi32(v, v)); };
   const v8 row = square(row_u, row_v), column = square(column_u, column_v);

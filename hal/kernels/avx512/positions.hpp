@@ -125,9 +125,6 @@ SPANTEX_INLINE offsets offsets_of(const batch& b, int k) {
 struct positions { v16 u, v; int32_t base_u, base_v; int bits; uint32_t half; };
 SPANTEX_INLINE positions positions_of(const batch& b, int k, const offsets& o, int n) { return {o.u[n], o.v[n], b.base_u[k], b.base_v[k], o.bits, o.half}; }
 
-// Drops the bits that keep positions modulo 32 texels of any level up to this one from fitting 32 bits, half a dozen where a map has many levels. The last level
-// that a map may have is one texel, the same wherever it is read.
-constexpr int32_t last_of_several_texels = max_levels - 2;
 SPANTEX_INLINE void drop_bits(int drop, v16 (&u)[quads], v16 (&v)[quads]) {
 #pragma GCC unroll 4
   for (int n = 0; n < quads; ++n) {
@@ -135,6 +132,10 @@ SPANTEX_INLINE void drop_bits(int drop, v16 (&u)[quads], v16 (&v)[quads]) {
     v[n] = _mm512_srav_epi32(v[n], set32(drop));
   }
 }
+
+// Drops the bits that keep positions modulo 32 texels of any level up to this one from fitting 32 bits, half a dozen where a map has many levels. The last level
+// that a map may have is one texel, the same wherever it is read.
+constexpr int32_t last_of_several_texels = max_levels - 2;
 SPANTEX_INLINE void shorten(int last_level, v16 (&u)[quads], v16 (&v)[quads], int& bits, uint32_t& half) {
   const int drop = bits + min_of(last_level, last_of_several_texels) - 27;
   if (drop <= 0) return;

@@ -194,9 +194,7 @@ SPANTEX_INLINE bool draw_nearest(const row_work& work, const batch& b, int k) {
   v16 out[quads];
   if (b.placed >> k & 1) {
     const v16 column_bits = set32(b.column_bits[k]), row_bits = set32(b.row_bits[k]), across = of32<block_side - 1>();
-    if (o.bits != b.column_bits[k]) [[unlikely]] {
-      drop_bits(o.bits - b.column_bits[k], o.u, o.v);
-    }
+    if (o.bits != b.column_bits[k]) [[unlikely]] drop_bits(o.bits - b.column_bits[k], o.u, o.v);
 #pragma GCC unroll 4
     for (int n = 0; n < quads; ++n) {
       const v16 u = _mm512_srlv_epi32(_mm512_add_epi32(o.u[n], set32(b.from[n][0][k])), column_bits), v = _mm512_srlv_epi32(_mm512_add_epi32(o.v[n], set32(b.from[n][1][k])), row_bits);
