@@ -14,6 +14,10 @@ int32_t repeat_of(wrap mode, int32_t side) {
   return mode != wrap::clamp && (length % block_side == 0 || block_side % length == 0) ? blocks_of(mode, side) : 0;
 }
 
+// Stacks of so many blocks: block 0 is the first of a stack, the apron above lies in the one before.
+constexpr int32_t stack_rows = stack_blocks * block_side;
+int32_t stacks_of(int32_t blocks) { return 1 + (blocks + apron + stack_blocks - 1) / stack_blocks; }
+
 // Where each texel from -before on lies on the level.
 std::vector<int32_t> wrapped(int32_t before, int32_t count, const auto& of) {
   std::vector<int32_t> at(size_t(count), 0);
@@ -37,30 +41,30 @@ void planar_map::add_blocks(const texture_view& view) {
   std::vector<size_t> starts;
   for (int k = 0; k < view.level_count(); ++k) {
     starts.push_back(bytes);
-    bytes += size_t(blocks_of(wrap_u_, view.width(k)) + 2 * apron) * size_t(blocks_of(wrap_v_, view.height(k)) + 2 * apron) * block_bytes;
+    bytes += size_t(blocks_of(wrap_u_, view.width(k)) + 2 * apron) * size_t(stacks_of(blocks_of(wrap_v_, view.height(k)))) * stack_bytes;
   }
-  blocks_.resize(bytes + block_channel_bytes);
-  skew_ = (block_channel_bytes - reinterpret_cast<uintptr_t>(blocks_.data()) % block_channel_bytes) % block_channel_bytes;
+  blocks_.resize(bytes + block_bytes);
+  skew_ = (block_bytes - reinterpret_cast<uintptr_t>(blocks_.data()) % block_bytes) % block_bytes;
   for (int k = 0; k < view.level_count(); ++k) add_level(view, k, starts[size_t(k)]);
 }
 
 void planar_map::add_level(const texture_view& view, int k, size_t start) {
-  const int32_t across = blocks_of(wrap_u_, view.width(k)), down = blocks_of(wrap_v_, view.height(k)), columns = across + 2 * apron, rows = down + 2 * apron;
+  const int32_t across = blocks_of(wrap_u_, view.width(k)), down = blocks_of(wrap_v_, view.height(k)), columns = across + 2 * apron, stacks = stacks_of(down);
   const std::vector<int32_t> u = wrapped(texel_apron, columns * block_side, [&](int32_t x) { return view.wrapped_u(x, k); });
-  const std::vector<int32_t> v = wrapped(texel_apron, rows * block_side, [&](int32_t y) { return view.wrapped_v(y, k); });
+  const std::vector<int32_t> v = wrapped(stack_rows, (stacks * stack_blocks + 1) * block_side, [&](int32_t y) { return view.wrapped_v(y, k); });
   uint8_t* at = blocks_.data() + skew_ + start;
-  for (int32_t by = 0; by < rows; ++by)
-    for (int32_t bx = 0; bx < columns; ++bx, at += block_bytes)
-      for (int n = 0; n < block_side * block_side; ++n) {
-        const rgba8 t = view.texel(k, u[size_t(bx * block_side + n % block_side)], v[size_t(by * block_side + n / block_side)]);
+  for (int32_t stack = 0; stack < stacks; ++stack)
+    for (int32_t bx = 0; bx < columns; ++bx, at += stack_bytes)
+      for (int n = 0; n < channel_bytes; ++n) {
+        const rgba8 t = view.texel(k, u[size_t(bx * block_side + n % block_side)], v[size_t(stack * stack_rows + n / block_side)]);
         at[n] = t.r ^ 0x80;
-        at[n + block_channel_bytes] = t.g ^ 0x80;
-        at[n + 2 * block_channel_bytes] = t.b ^ 0x80;
-        at[n + 3 * block_channel_bytes] = t.a ^ 0x80;
+        at[n + channel_bytes] = t.g ^ 0x80;
+        at[n + 2 * channel_bytes] = t.b ^ 0x80;
+        at[n + 3 * channel_bytes] = t.a ^ 0x80;
       }
-  levels_.column_bytes[k] = block_bytes;
-  levels_.row_bytes[k] = columns * block_bytes;
-  levels_.origin[k] = int32_t(start) + apron * (levels_.row_bytes[k] + block_bytes);
+  levels_.column_bytes[k] = stack_bytes;
+  levels_.row_bytes[k] = columns * stack_bytes;
+  levels_.origin[k] = int32_t(start) + levels_.row_bytes[k] + apron * stack_bytes;
   levels_.last_column[k] = across + apron - 1;
   levels_.last_row[k] = down + apron - 1;
   levels_.columns[k] = repeat_of(wrap_u_, view.width(k));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A map as the host kernels read it: local texture memory's layout made ready, so that filling it is a load a block. Each level is cut into
-// blocks of 8x8 texels; a block holds its four channels one after another, 64 bytes each, so that one 512-bit register is one channel of one
-// block and a byte permute is 64 of the papers' banked fetches. Levels are there a second time, row by row, for filters that take single texels and planes of which a
+// blocks of 8x8 texels, 64 bytes a channel, so that one 512-bit register is one channel of one block and a byte permute is 64 of the papers' banked
+// fetches. Blocks below each other are a stack: channel by channel four of them and the next one again, so that any eight rows are 64 bytes, wherever they begin. Levels are there a second time, row by row, for filters that take single texels and planes of which a
 // row of pixels lies in one row of texels.
 // Around a level lies an apron with what the wrap mode says lies there.
 #pragma once
@@ -16,7 +16,8 @@
 
 namespace spantex::kernels {
 
-inline constexpr int block_side = 8, block_channel_bytes = 64, block_bytes = 4 * block_channel_bytes;
+inline constexpr int block_side = 8, block_bytes = 64;     // of one channel
+inline constexpr int stack_log2 = 3, stack_blocks = 1 << stack_log2, channel_bytes = (stack_blocks + 1) * block_bytes, stack_bytes = 4 * channel_bytes;
 inline constexpr int apron = 2;                           // blocks on every side of a level
 inline constexpr int texel_apron = apron * block_side;    // texels on every side of the rows
 inline constexpr int max_planar_levels = 16;              // as many as one register of 32-bit lanes numbers
@@ -24,7 +25,7 @@ inline constexpr int max_planar_levels = 16;              // as many as one regi
 // The blocks of all levels, a lane each: what a section's address is made of.
 struct alignas(64) planar_levels {
   int32_t origin[max_planar_levels] = {};                 // of block (0, 0), texels 0..7 of rows 0..7, in bytes from planar_map::blocks()
-  int32_t column_bytes[max_planar_levels] = {}, row_bytes[max_planar_levels] = {};     // from one block to the next
+  int32_t column_bytes[max_planar_levels] = {}, row_bytes[max_planar_levels] = {};     // from one stack to the next
   int32_t last_column[max_planar_levels] = {}, last_row[max_planar_levels] = {};       // blocks from -apron to these hold something
   int32_t columns[max_planar_levels] = {}, rows[max_planar_levels] = {};               // blocks repeat so; 0 where they do not
   int32_t period_u[max_planar_levels] = {}, period_v[max_planar_levels] = {};          // texels repeat so; 0 for clamp

@@ -124,6 +124,7 @@ SPANTEX_INLINE v16 mean_of(const colouring& as, const row_span& s, int n, v16 (&
 #pragma GCC unroll 4
     for (int m = 0; m < Channels; ++m) sum[m] = mean16(sum[m], s.samples[n], inverse);
   }
+  if constexpr (Channels < channel_count) sum[Channels - 1] = _mm512_or_si512(sum[Channels - 1], of32<opaque>());
   return as.packed(sum);
 }
 
@@ -139,10 +140,10 @@ struct row_blender : blending<true> {
     for (int k = 0; k < s.most; ++k) {
       const texels16 at = s.sample(n, k);
       v16 fine[Channels], coarse[Channels];
-      blended_fine<Fine>(blocks, s, n, samples16(from, snapped_on<Scaled, 0>(s, from, at.u, at.v, n)), rounding, fine);
+      blended_fine<Fine>(blocks, s, n, samples16(from, snapped_on<Scaled, 0>(s, from, at.u, at.v, n)), rounding, fine, rounding);
       if constexpr (Levels == taken::all) {
         asm volatile("" ::: "memory");  // as in quad_blender
-        blended16<false>(section_of<false>(blocks, s.coarse, n), samples16(from, snapped_on<Scaled, 1>(s, from, at.u, at.v, n)), rounding, coarse);
+        blended16<held_in::narrow>(section_of<held_in::narrow>(blocks, s.coarse, n), samples16(from, snapped_on<Scaled, 1>(s, from, at.u, at.v, n)), rounding, coarse, rounding);
       }
       const v16 counted = _mm512_maskz_mov_epi32(_mm512_cmpgt_epi32_mask(s.samples[n], set32(k)), weights);
 #pragma GCC unroll 4

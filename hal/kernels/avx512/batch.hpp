@@ -24,6 +24,7 @@ SPANTEX_INLINE void keep(batch_forms& f, __m256i c, __m256i x, __m256i y) {
 // Sections of local memory of the quads of eight spans, on a level each (quad_section).
 struct alignas(64) batch_sections {
   int32_t at[2][2][quads][batch_size];                // near and far column of blocks, upper and lower one: from planar_map::blocks()
+  int32_t row[quads][batch_size] = {};                // shallow: the first row
   alignas(64) uint64_t merged[quads][batch_size];     // narrow: columns from far
 };
 
@@ -44,18 +45,19 @@ struct alignas(64) batch {
   int32_t column_bits[batch_size], row_bits[batch_size];                          // nearest: fraction of u; of v, so that a row is 8 texels
   alignas(64) int32_t from[quads][2][batch_size];                                 // nearest: from it to the base texel, u and v, as offsets, and what rounds
   alignas(64) int64_t u_x[batch_size], v_x[batch_size], u_y[batch_size], v_y[batch_size], twist_u[batch_size], twist_v[batch_size];  // level.hpp: span_levels()
+  alignas(64) int32_t step_x[2 * batch_size], step_y[2 * batch_size], spread[2 * batch_size];  // quad_bounds of filters with levels: u, then v
   int32_t axis_exponent[batch_size], area_log2[batch_size];  // the area's in 2^-16
   int32_t sx, first;                                     // the first span: on the screen, and of the row's work
   uint32_t usable;                                       // bit k: span k is in here
   uint32_t level;                                        // aniso; bit k: w is constant
   uint32_t magnified;                                    // bit k: every pixel's level of detail is 0
-  uint32_t placed, wide;                                 // bit k: its sections are known; one of them is more than 8 texels across
+  uint32_t placed, shallow, wide;                        // bit k: its sections are known; how they lie (section_kinds)
 };
 constexpr int divide_terms = 5;
 
 // What one part of a plan leaves to the next.
 struct setup {
-  v8 w, nu, nv, mantissa, seed, w_bits, base_u, base_v, c_u, a_u, b_u, c_v, a_v, b_v, g, h, drop, shift, slope_log2, affine_log2, extent_log2, exponent;
+  v8 w, nu, nv, mantissa, seed, w_bits, base_u, base_v, c_u, a_u, b_u, c_v, a_v, b_v, g, h, drop, shift, steepness, slope_log2, affine_log2, extent_log2, exponent;
   inverse8 inverse;
   __mmask8 usable;
 };

@@ -2,9 +2,9 @@
 // AVX-512 kernel: spans on their levels of detail. Included by ../avx512.cpp alone.
 #pragma once
 
-enum class held_in : uint8_t { narrow, wide, large };  // fine texels of a span's quads
-
 struct level_span {
+  static constexpr held_in after = held_in::narrow;  // texels of the levels after the fine one
+  template <int After> static constexpr int more_bits = 0;  // of fraction, of snapped positions on a level
   v16 lengths;                        // lengths16()
   v16 u[quads], v[quads];             // offsets
   v16 level[quads];                   // of detail, 2^-8
@@ -37,6 +37,8 @@ struct alike_span {
   const batch_places& at;
   int k;
   static constexpr uint32_t fit = 0xF;
+  static constexpr held_in after = held_in::shallow;
+  template <int After> static constexpr int more_bits = After + 1;
 };
 
 // Whole levels of pixels.
@@ -48,7 +50,7 @@ SPANTEX_INLINE v16 whole_of(v16 level) {
 
 // What is added to a level's colour, 14 and more bits of fraction: texels are signed, so 128 as well as what rounds.
 template <bool TwoLevels>
-SPANTEX_INLINE v16 rounding_of() { return TwoLevels ? of32<(128 << (14 + up_between)) + (1 << 7)>() : of32<(128 << (14 + up_of_one)) + before_even>(); }
+SPANTEX_INLINE v16 rounding_of(bool with_alpha) { return with_alpha && !TwoLevels ? of32<opaque + (128 << (14 + up_of_one)) + before_even>() :  TwoLevels ? of32<(128 << (14 + up_between)) + (1 << 7)>() : of32<(128 << (14 + up_of_one)) + before_even>(); }
 
 // Of the quads' first pixels, four times over.
 SPANTEX_INLINE v16 of_quads(const v16 (&x)[quads]) {
@@ -167,8 +169,8 @@ struct blending {
   const uint8_t* blocks;
   sampling<up> from;
   colouring as;
-  v16 rounding;
-  SPANTEX_INLINE explicit blending(const uint8_t* of) : blocks(of), rounding(rounding_of<TwoLevels>()) {}
+  v16 rounding, of_last;  // of channels, and of one that has alpha
+  SPANTEX_INLINE explicit blending(const uint8_t* of) : blocks(of), rounding(rounding_of<TwoLevels>(false)), of_last(rounding_of<TwoLevels>(true)) {}
 };
 
 // Positions on the level that lies so many after the fine one.
@@ -178,69 +180,84 @@ SPANTEX_INLINE v16 snapped_on(const level_span& s, const C& c, v16 u, v16 v, int
   else return s.at.at(c, u, v, n + After * quads);
 }
 template <bool Scaled, int After, class C>
-SPANTEX_INLINE v16 snapped_on(const alike_span& s, const C& c, v16 u, v16 v, int) {
+SPANTEX_INLINE v16 snapped_on(const alike_span& s, const C& c, v16 u, v16 v, int n) {
+  static_assert(After == 0 && !Scaled);
   const batch_places& p = s.at;
-  return snapped_by(c, u, v, p.from_u[After][s.k], p.from_v[After][s.k], p.drop[After][s.k], p.turn[After][s.k]);
+  return snapped_by(c, u, v, p.from_u[s.k], p.from_v[n][s.k], p.drop[s.k], p.turn[s.k]);
+}
+
+// The same where those on the fine level are known.
+template <bool Scaled, int After, class C>
+SPANTEX_INLINE v16 snapped_after(const level_span& s, const C& c, v16 u, v16 v, v16, int n) { return snapped_on<Scaled, After>(s, c, u, v, n); }
+template <bool Scaled, int After, class C>
+SPANTEX_INLINE v16 snapped_after(const alike_span& s, const C&, v16, v16, v16 fine, int n) {
+  static_assert(After == 1);
+  return _mm512_add_epi16(fine, set32(s.at.to_coarse[n][s.k]));
 }
 
 // Their sections.
+// Those of the levels after the fine one are held in what the span says.
 template <int After>
-SPANTEX_INLINE quad_section section_after(const uint8_t* blocks, const level_span& s, int n) { return section_of<false>(blocks, After == 1 ? s.coarse : s.next, n); }
+SPANTEX_INLINE auto section_after(const uint8_t* blocks, const level_span& s, int n) { return section_of<held_in::narrow>(blocks, After == 1 ? s.coarse : s.next, n); }
 template <int After>
-SPANTEX_INLINE quad_section section_after(const uint8_t* blocks, const alike_span& s, int n) { return section_of<false>(blocks, s.at.coarse, s.k, n); }
+SPANTEX_INLINE auto section_after(const uint8_t* blocks, const alike_span& s, int n) { return section_of<held_in::shallow>(blocks, s.at.coarse, s.k, n); }
 
 template <held_in Fine, int Channels>
-SPANTEX_INLINE void blended_fine(const uint8_t* blocks, const level_span& s, int n, const samples& at, v16 rounding, v16 (&out)[Channels]) {
-  if constexpr (Fine == held_in::large) blended16(s.large.of(blocks, n), at, rounding, out);
-  else blended16<Fine == held_in::wide>(section_of<Fine == held_in::wide>(blocks, s.fine, n), at, rounding, out);
+SPANTEX_INLINE void blended_fine(const uint8_t* blocks, const level_span& s, int n, const samples& at, v16 rounding, v16 (&out)[Channels], v16 of_last) {
+  if constexpr (Fine == held_in::large) blended16(s.large.of(blocks, n), at, rounding, out, of_last);
+  else blended16<Fine>(section_of<Fine>(blocks, s.fine, n), at, rounding, out, of_last);
 }
 template <held_in Fine, int Channels>
-SPANTEX_INLINE void blended_fine(const uint8_t* blocks, const alike_span& s, int n, const samples& at, v16 rounding, v16 (&out)[Channels]) {
-  blended16<Fine == held_in::wide>(section_of<Fine == held_in::wide>(blocks, s.at.fine, s.k, n), at, rounding, out);
+SPANTEX_INLINE void blended_fine(const uint8_t* blocks, const alike_span& s, int n, const samples& at, v16 rounding, v16 (&out)[Channels], v16 of_last) {
+  blended16<Fine>(section_of<Fine>(blocks, s.at.fine, s.k, n), at, rounding, out, of_last);
 }
 
 // How a span's quads are drawn. Whether the fine sections are as narrow as the coarse ones is much the same from one span to the next.
 template <bool TwoLevels, taken Levels, int Channels, held_in Fine, bool Scaled = false>
 struct quad_blender : blending<TwoLevels> {
   SPANTEX_INLINE explicit quad_blender(const uint8_t* of) : blending<TwoLevels>(of) {}
-  using blending<TwoLevels>::up, blending<TwoLevels>::blocks, blending<TwoLevels>::from, blending<TwoLevels>::as, blending<TwoLevels>::rounding;
+  using blending<TwoLevels>::up, blending<TwoLevels>::blocks, blending<TwoLevels>::from, blending<TwoLevels>::as, blending<TwoLevels>::rounding, blending<TwoLevels>::of_last;
 
   template <class Span>
   SPANTEX_INLINE v16 operator()(const Span& s, int n) const {
     const v16 u = s.u[n], v = s.v[n], level = s.level[n];
+    const v16 at = snapped_on<Scaled, 0>(s, from, u, v, n);
     v16 fine[Channels];
-    blended_fine<Fine>(blocks, s, n, samples16(from, snapped_on<Scaled, 0>(s, from, u, v, n)), rounding, fine);
-    return finished(s, n, u, v, level, fine);
+    blended_fine<Fine>(blocks, s, n, samples16<Span::template more_bits<0>>(from, at), rounding, fine, of_last);
+    return finished(s, n, u, v, at, level, fine);
   }
 
-  // The fine level's colours given.
+  // The fine level's positions and colours given.
   template <class Span>
-  SPANTEX_INLINE v16 finished(const Span& s, int n, v16 u, v16 v, v16 level, v16 (&fine)[Channels]) const {
+  SPANTEX_INLINE v16 finished(const Span& s, int n, v16 u, v16 v, v16 at, v16 level, v16 (&fine)[Channels]) const {
     v16 coarse[Channels];
-    if constexpr (Levels == taken::more || (TwoLevels && Levels == taken::all)) blended_on<1>(s, n, u, v, coarse);
+    if constexpr (Levels == taken::more || (TwoLevels && Levels == taken::all)) blended_on<1>(s, n, u, v, at, coarse);
     if constexpr (Levels == taken::more) {
       const __mmask16 second = _mm512_cmpneq_epi32_mask(whole_of<TwoLevels>(level), set32(s.first_level[n]));
 #pragma GCC unroll 4
       for (int m = 0; m < Channels; ++m) fine[m] = _mm512_mask_mov_epi32(fine[m], second, coarse[m]);
       if constexpr (TwoLevels) {
         v16 next[Channels];
-        blended_on<2>(s, n, u, v, next);
+        blended_on<2>(s, n, u, v, at, next);
 #pragma GCC unroll 4
         for (int m = 0; m < Channels; ++m) coarse[m] = _mm512_mask_mov_epi32(coarse[m], second, next[m]);
       }
     }
     const v16 weights = as.level_weights(level);
 #pragma GCC unroll 4
-    for (int m = 0; m < Channels; ++m) fine[m] = !TwoLevels ? as.even(fine[m]) : Levels == taken::one ? as.on_one_level(fine[m]) : as.between_levels(fine[m], coarse[m], weights);
+    for (int m = 0; m < Channels; ++m) {
+      const v16 half = as.template rounding_of<Channels>(m);
+      fine[m] = !TwoLevels ? as.even(fine[m]) : Levels == taken::one ? as.on_one_level(fine[m], half) : as.between_levels(fine[m], coarse[m], weights, half);
+    }
     return as.packed(fine);
   }
 
  private:
   // On the level that lies so many after the fine one; after what was read before: addresses of two levels at once are more than there are registers.
   template <int After, class Span>
-  SPANTEX_INLINE void blended_on(const Span& s, int n, v16 u, v16 v, v16 (&out)[Channels]) const {
+  SPANTEX_INLINE void blended_on(const Span& s, int n, v16 u, v16 v, v16 at, v16 (&out)[Channels]) const {
     asm volatile("" ::: "memory");
-    blended16<false>(section_after<After>(blocks, s, n), samples16(from, snapped_on<Scaled, After>(s, from, u, v, n)), rounding, out);
+    blended16<Span::after>(section_after<After>(blocks, s, n), samples16<Span::template more_bits<After>>(from, snapped_after<Scaled, After>(s, from, u, v, at, n)), rounding, out, of_last);
   }
 };
 
@@ -284,7 +301,7 @@ template <bool TwoLevels, taken Levels, int Channels, bool Scaled>
   const blender blended(map.blocks());
   v16 fine[Channels];
   if (!blend_anywhere<blender::up>(map, on_level_after<Scaled>(s, Scaled ? texels16{p.u, p.v} : texels_of(p), first, 0, n), first, __mmask16(~others), TwoLevels ? 1 << 7 : before_even, fine)) return false;
-  out = blended.finished(s, n, p.u, p.v, s.level[n], fine);
+  out = blended.finished(s, n, p.u, p.v, v16{}, s.level[n], fine);
   return true;
 }
 
@@ -332,12 +349,14 @@ SPANTEX_INLINE bool blend_span(const row_work& work, const batch& b, int k, cons
 }
 
 template <bool TwoLevels, int Channels>
-SPANTEX_INLINE void blend_alike(const row_work& work, const batch& b, int k, bool alone, const level_span& s, const batch_places& p) {
+SPANTEX_INLINE void blend_alike(const row_work& work, const batch& b, int k, bool alone, level_span& s, const batch_places& p) {
+  if (p.excess[k] > 0) [[unlikely]] drop_bits(p.excess[k], s.u, s.v);
   const auto blended = [&]<taken Levels, held_in Fine>() SPANTEX_INLINED {
     blend_span<quad_blender<TwoLevels, Levels, Channels, Fine>>(work, b, k, alike_span{s.u, s.v, s.level, p, k}, [](int, v16&) { return true; });
   };
   const auto by_width = [&]<taken Levels>() SPANTEX_INLINED {
-    if (p.wide >> k & 1) blended.template operator()<Levels, held_in::wide>();
+    if (p.shallow >> k & 1) blended.template operator()<Levels, held_in::shallow>();
+    else if (p.wide >> k & 1) blended.template operator()<Levels, held_in::wide>();
     else blended.template operator()<Levels, held_in::narrow>();
   };
   alone ? by_width.template operator()<taken::one>() : by_width.template operator()<taken::all>();

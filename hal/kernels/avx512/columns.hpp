@@ -18,6 +18,25 @@ SPANTEX_INLINE columns8 columns_of(const setup& s, const batch& b) {
           _mm512_sub_epi64(product(au, s.h), product(bu, s.g)), _mm512_sub_epi64(product(av, s.h), product(bv, s.g))};
 }
 
+// Quads' bounds, for steepness (7 (|g| + |h|), most of |1 - w|) up to 1/4: a position is c + (u_x x + u_y y) / w. At a quad's centre (X, Y), 4 half pixels either way, what
+// dividing by w changes is below 4 (|u_x| + |u_y|) e / (1 - e), e = 4/7 steepness; from there on a position moves by ((u_x + twist Y) x + (u_y - twist X) y) / (w w'), x and y
+// up to 3: by no more than S / ((1 - e) (1 - steepness)), S = 3 (|u_x| + |u_y| + 8 |twist|). Both together are below S (1 + steepness (5/2 + 4 steepness)).
+SPANTEX_INLINE void plan_bounds(const setup& s, const columns8& j, batch& b) {
+  const auto part = [](v8 x, v8 of) { return _mm512_srai_epi64(_mm512_mul_epi32(x, of), q.reciprocal_bits); };
+  const v8 halves = _mm512_add_epi64(s.steepness, _mm512_srli_epi64(s.steepness, 2));  // 5/4
+  const v8 more = _mm512_slli_epi64(_mm512_add_epi64(_mm512_srli_epi64(halves, 1), part(s.steepness, s.steepness)), 2);
+  const auto spread = [&](v8 x, v8 y, v8 twist) {
+    const v8 steps = _mm512_add_epi64(_mm512_add_epi64(_mm512_abs_epi64(x), _mm512_abs_epi64(y)), _mm512_slli_epi64(_mm512_abs_epi64(twist), 3));
+    const v8 three = _mm512_add_epi64(steps, _mm512_slli_epi64(steps, 1));
+    return _mm512_add_epi64(three, part(three, more));
+  };
+  const v16 lower = _mm512_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
+  const auto keep_both = [&](int32_t (&to)[2 * batch_size], v8 u, v8 v) { _mm512_store_si512(to, _mm512_permutex2var_epi32(u, lower, v)); };
+  keep_both(b.step_x, j.u_x, j.v_x);
+  keep_both(b.step_y, j.u_y, j.v_y);
+  keep_both(b.spread, spread(j.u_x, j.u_y, j.twist_u), spread(j.v_x, j.v_y, j.twist_v));
+}
+
 // span_levels(). A span is known to be magnified if no row or column is longer than half a texel a pixel on either axis and |1 - w| < 2^-4: lengths are then
 // below sqrt(2) / 2 (16 / 15)^2 = 0.81, which is 0.3 of a level less than what rounds to 0.
 SPANTEX_INLINE void plan_levels(const setup& s, batch& b) {
@@ -31,6 +50,7 @@ SPANTEX_INLINE void plan_levels(const setup& s, batch& b) {
   const auto most = [](v8 x, v8 y, v8 twist) { return _mm512_add_epi64(_mm512_max_epi64(_mm512_abs_epi64(x), _mm512_abs_epi64(y)), times7(_mm512_abs_epi64(twist))); };
   const v8 longest = _mm512_max_epi64(most(j.u_x, j.u_y, j.twist_u), most(j.v_x, j.v_y, j.twist_v)), quarter = _mm512_sllv_epi64(set(1), _mm512_sub_epi64(s.exponent, set(2)));  // steps are half pixels
   b.magnified = _mm512_cmple_epi64_mask(longest, quarter) & _mm512_cmple_epi64_mask(s.slope_log2, set(-4));
+  plan_bounds(s, j, b);
 }
 
 // cos, then sin of direction_at(k).

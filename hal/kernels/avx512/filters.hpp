@@ -2,6 +2,10 @@
 // AVX-512 kernel: fetch, filter and write-out of sixteen pixels. Included by ../avx512.cpp alone.
 #pragma once
 
+// Of opaque maps alpha is not interpolated: the last channel has it above its bits, from what is added to it.
+constexpr int32_t opaque = int32_t(0xFF000000);
+template <int Channels> constexpr bool with_alpha(int channel) { return Channels < channel_count && channel == Channels - 1; }
+
 // Addresses and weights of sixteen pixels on one level, four bytes a pixel: texels (0,0) (1,0) (0,1) (1,1).
 struct samples {
   v16 index;           // row of 16 (or of 32), column of 8: what a byte permute of two registers takes
@@ -10,26 +14,30 @@ struct samples {
   v16 u, v;            // weights: 128 - f, f of 128 in bytes; the same of 2^(7 + Up) in words
 };
 
-SPANTEX_INLINE v16 fields(int64_t offsets_of_a_pixel) {  // for multishift: the same of both pixels of a 64-bit lane
-  return set(offsets_of_a_pixel | ((offsets_of_a_pixel + 0x20202020) << 32));
-}
+// For multishift: the same of both pixels of a 64-bit lane.
+constexpr int64_t fields(int64_t offsets_of_a_pixel) { return offsets_of_a_pixel | ((offsets_of_a_pixel + 0x20202020) << 32); }
+
+// Where a position's numbers lie, of which it has so many bits of fraction more than it is snapped to.
+template <int Up, int More>
+struct sample_fields {
+  static constexpr int64_t from = 16 + More - Up;
+  SPANTEX_INLINE static v16 x() { return of64<fields(0x01010101 * (7 + More))>(); }
+  SPANTEX_INLINE static v16 y() { return of64<fields(0x01010101 * (20 + More))>(); }
+  SPANTEX_INLINE static v16 u() { return of64<fields(0x01010101 * More)>(); }
+  SPANTEX_INLINE static v16 v() { return of64<fields(from | (from + 8) << 8 | from << 16 | (from + 8) << 24)>(); }
+};
 
 // What all samples take, made once, so that it stays in registers: compilers make constants anew where they are needed.
 template <int Up>
 struct sampling {
-  v16 x_fields, y_fields, v_fields, next_x, next_y, x_bits, u_bits, lowest, all_u, v_bits, all_v;
+  v16 next_x, next_y, x_bits, u_bits, all_u, v_bits, all_v;
   __mmask64 even;  // bytes or words
   SPANTEX_INLINE sampling() {
-    constexpr int64_t from = 16 - Up;
     constexpr int32_t weights = 0x7F << Up, all = 128 << Up;
-    x_fields = held(fields(0x07070707));
-    y_fields = held(fields(0x14141414));
-    v_fields = held(fields(from | (from + 8) << 8 | from << 16 | (from + 8) << 24));
     next_x = of32<0x01000100>();
     next_y = of32<0x08080000>();
     x_bits = of32<0x07070707>();
-    u_bits = of32<0x7F>();
-    lowest = held(_mm512_broadcast_i32x4(_mm_setr_epi8(0, 0, 0, 0, 4, 4, 4, 4, 8, 8, 8, 8, 12, 12, 12, 12)));
+    u_bits = of32<0x7F7F7F7F>();
     all_u = of32<int32_t(0x80808080)>();
     v_bits = of32<weights | weights << 16>();
     all_v = of32<all | all << 16>();
@@ -39,29 +47,30 @@ struct sampling {
   }
 };
 
-template <int Up>
+template <int More = 0, int Up>
 SPANTEX_INLINE samples samples16(const sampling<Up>& c, v16 at) {
+  using fields_of = sample_fields<Up, More>;
   samples s;
-  const v16 x = _mm512_add_epi8(_mm512_multishift_epi64_epi8(c.x_fields, at), c.next_x);
-  const v16 y = _mm512_add_epi8(_mm512_multishift_epi64_epi8(c.y_fields, at), c.next_y);  // times 8, three bits of fraction below
+  const v16 x = _mm512_add_epi8(_mm512_multishift_epi64_epi8(fields_of::x(), at), c.next_x);
+  const v16 y = _mm512_add_epi8(_mm512_multishift_epi64_epi8(fields_of::y(), at), c.next_y);  // times 8, three bits of fraction below
   s.index = _mm512_ternarylogic_epi32(y, x, c.x_bits, 0xD8);
   s.column = x;
   s.right = _mm512_test_epi8_mask(x, set32(0x08080808));
-  const v16 fu4 = _mm512_shuffle_epi8(_mm512_and_si512(at, c.u_bits), c.lowest);
+  const v16 fu4 = _mm512_and_si512(_mm512_multishift_epi64_epi8(fields_of::u(), at), c.u_bits);
   s.u = _mm512_mask_sub_epi8(fu4, c.even, c.all_u, fu4);
-  const v16 fv = _mm512_and_si512(_mm512_multishift_epi64_epi8(c.v_fields, at), c.v_bits);
+  const v16 fv = _mm512_and_si512(_mm512_multishift_epi64_epi8(fields_of::v(), at), c.v_bits);
   s.v = _mm512_mask_sub_epi16(fv, __mmask32(c.even), c.all_v, fv);
   return s;
 }
 template <int Up>
-SPANTEX_INLINE samples samples16(v16 at) { return samples16(sampling<Up>(), at); }
+SPANTEX_INLINE samples samples16(v16 at) { return samples16<0>(sampling<Up>(), at); }
 
 // One channel's texels, four a pixel.
-template <bool Wide>
+template <held_in Where>
 SPANTEX_INLINE v16 fetch16(const quad_section& from, int channel, const samples& s) {
-  const int plane = channel * block_channel_bytes;
+  const int plane = channel * channel_bytes;
   const auto block = [&](const uint8_t* at) { return _mm512_load_si512(at + plane); };
-  if constexpr (Wide) {
+  if constexpr (Where == held_in::wide) {
     const v16 left = _mm512_permutex2var_epi8(block(from.near[0]), s.index, block(from.near[1]));
     return _mm512_mask_mov_epi8(left, s.right, _mm512_permutex2var_epi8(block(from.far[0]), s.index, block(from.far[1])));
   } else {
@@ -70,16 +79,20 @@ SPANTEX_INLINE v16 fetch16(const quad_section& from, int channel, const samples&
     return _mm512_permutex2var_epi8(top, s.index, bottom);
   }
 }
-
-// Interpolated on a level, 14 + Up bits of fraction: texels are signed, so 128 is added back with what rounds.
-template <bool Wide, int Up>
-SPANTEX_INLINE v16 blended16(const quad_section& at, int channel, const samples& s, int32_t rounding) {
-  return _mm512_dpwssd_epi32(set32((128 << (14 + Up)) + rounding), _mm512_maddubs_epi16(s.u, fetch16<Wide>(at, channel, s)), s.v);
+template <held_in>
+SPANTEX_INLINE v16 fetch16(const shallow_section& from, int channel, const samples& s) {
+  const int plane = channel * channel_bytes;
+  return _mm512_permutexvar_epi8(s.index, _mm512_mask_loadu_epi8(_mm512_loadu_si512(from.near + plane), from.merged, from.far + plane));
 }
-template <bool Wide, int Channels>
-SPANTEX_INLINE void blended16(const quad_section& at, const samples& s, v16 rounding, v16 (&out)[Channels]) {
+
+template <held_in Where, int Up>
+SPANTEX_INLINE v16 blended16(const quad_section& at, int channel, const samples& s, int32_t rounding) {
+  return _mm512_dpwssd_epi32(set32((128 << (14 + Up)) + rounding), _mm512_maddubs_epi16(s.u, fetch16<Where>(at, channel, s)), s.v);
+}
+template <held_in Where, int Channels, class Section>
+SPANTEX_INLINE void blended16(const Section& at, const samples& s, v16 rounding, v16 (&out)[Channels], v16 of_last) {
 #pragma GCC unroll 4
-  for (int m = 0; m < Channels; ++m) out[m] = _mm512_dpwssd_epi32(rounding, _mm512_maddubs_epi16(s.u, fetch16<Wide>(at, m, s)), s.v);
+  for (int m = 0; m < Channels; ++m) out[m] = _mm512_dpwssd_epi32(with_alpha<Channels>(m) ? of_last : rounding, _mm512_maddubs_epi16(s.u, fetch16<Where>(at, m, s)), s.v);
 }
 
 // The same of 24x24 texels. The third column and row of blocks are where positions from the first ones have bit 4.
@@ -91,16 +104,16 @@ struct sample_thirds {
 };
 SPANTEX_INLINE v16 fetch16(const large_section& from, int channel, const samples& s, const sample_thirds& third) {
   const auto column = [&](int c) SPANTEX_INLINED {
-    const auto block = [&](int r) SPANTEX_INLINED { return _mm512_load_si512(from.blocks + from.at[c][r] + channel * block_channel_bytes); };
+    const auto block = [&](int r) SPANTEX_INLINED { return _mm512_load_si512(from.blocks + from.at[c][r] + channel * channel_bytes); };
     return _mm512_mask_permutexvar_epi8(_mm512_permutex2var_epi8(block(0), s.index, block(1)), third.row, s.index, block(2));
   };
   return _mm512_mask_mov_epi8(_mm512_mask_mov_epi8(column(0), s.right, column(1)), third.column, column(2));
 }
 template <int Channels>
-SPANTEX_INLINE void blended16(const large_section& at, const samples& s, v16 rounding, v16 (&out)[Channels]) {
+SPANTEX_INLINE void blended16(const large_section& at, const samples& s, v16 rounding, v16 (&out)[Channels], v16 of_last) {
   const sample_thirds third(at, s);
 #pragma GCC unroll 4
-  for (int m = 0; m < Channels; ++m) out[m] = _mm512_dpwssd_epi32(rounding, _mm512_maddubs_epi16(s.u, fetch16(at, m, s, third)), s.v);
+  for (int m = 0; m < Channels; ++m) out[m] = _mm512_dpwssd_epi32(with_alpha<Channels>(m) ? of_last : rounding, _mm512_maddubs_epi16(s.u, fetch16(at, m, s, third)), s.v);
 }
 
 constexpr int32_t before_even = 0x7FFF;
@@ -115,13 +128,12 @@ SPANTEX_INLINE v16 per_lane(int32_t first) {
 
 // What all colours take: likewise.
 struct colouring {
-  v16 half, one, pairs, thirds, opaque, level_words, level_signs, level_all;
+  v16 half, half_of_last, one, pairs, level_words, level_signs, level_all;
   SPANTEX_INLINE colouring() {
     half = of32<before_even>();
     one = of32<0x10000>();
     pairs = held(per_lane(0x42410201));
-    thirds = held(per_lane(0x42024202));
-    opaque = of32<int32_t(0xFF000000)>();
+    half_of_last = of32<opaque + before_even>();
     level_words = held(_mm512_broadcast_i32x4(_mm_setr_epi8(0, -1, 0, -1, 4, -1, 4, -1, 8, -1, 8, -1, 12, -1, 12, -1)));
     level_signs = of32<0x0002FFFE>();
     level_all = of32<512>();
@@ -130,13 +142,15 @@ struct colouring {
   // x + 2^15 - 1 becomes x rounded to 16 bits less, halves to even; in bits 16 to 23.
   SPANTEX_INLINE v16 even(v16 x) const { return _mm512_dpwssd_epi32(x, _mm512_and_si512(x, one), one); }
 
-  // Channels' bits 16 to 23 as pixels; three are those of an opaque map.
+  // Channels' bits 16 to 23 as pixels; three are those of an opaque map, the last of which has alpha above its bits. Of the first nothing is above.
   template <int Channels>
   SPANTEX_INLINE v16 packed(const v16 (&c)[Channels]) const {
     static_assert(Channels == 3 || Channels == 4);
-    const v16 low = _mm512_permutex2var_epi8(c[0], thirds, c[1]);
-    if constexpr (Channels == 4) return _mm512_mask_mov_epi16(low, 0xAAAAAAAA, _mm512_permutex2var_epi8(c[2], thirds, c[3]));
-    else return _mm512_mask_mov_epi16(low, 0xAAAAAAAA, _mm512_or_si512(c[2], opaque));
+    constexpr int where_set = 0xCA;
+    const v16 two = _mm512_ternarylogic_epi32(of32<0xFF>(), _mm512_srli_epi32(c[0], 16), _mm512_srli_epi32(c[1], 8), where_set);
+    const v16 three = _mm512_ternarylogic_epi32(of32<0xFFFF>(), two, c[2], where_set);
+    if constexpr (Channels == 4) return _mm512_ternarylogic_epi32(of32<0xFFFFFF>(), three, _mm512_slli_epi32(c[3], 8), where_set);
+    else return three;
   }
 
   // Weights of two levels from the lowest 8 bits: 512 - 2 f, 2 f of 512.
@@ -146,16 +160,21 @@ struct colouring {
   SPANTEX_INLINE v16 summed(v16 sum, v16 fine, v16 coarse, v16 weights) const { return _mm512_dpwssd_epi32(sum, _mm512_permutex2var_epi8(fine, pairs, coarse), weights); }
 
   // The same written out.
-  SPANTEX_INLINE v16 between_levels(v16 fine, v16 coarse, v16 weights) const { return even(summed(half, fine, coarse, weights)); }
+  SPANTEX_INLINE v16 between_levels(v16 fine, v16 coarse, v16 weights, v16 rounding) const { return even(summed(rounding, fine, coarse, weights)); }
 
   // The same where the coarse level has no weight.
-  SPANTEX_INLINE v16 on_one_level(v16 fine) const { return even(_mm512_add_epi32(_mm512_slli_epi32(_mm512_srli_epi32(fine, 8), 9), half)); }
+  SPANTEX_INLINE v16 on_one_level(v16 fine, v16 rounding) const { return even(_mm512_add_epi32(_mm512_slli_epi32(_mm512_srli_epi32(fine, 8), 9), rounding)); }
+
+  // What is added to channel m's 16 bits of fraction: what rounds, and what packed() takes for alpha.
+  template <int Channels>
+  SPANTEX_INLINE v16 rounding_of(int m) const { return with_alpha<Channels>(m) ? half_of_last : half; }
 };
 
-template <int Channels, bool Wide>
-SPANTEX_INLINE v16 bilinear16(const colouring& as, const quad_section& at, const samples& s) {
+template <int Channels, held_in Where, class Section>
+SPANTEX_INLINE v16 bilinear16(const colouring& as, const Section& at, const samples& s) {
   v16 c[Channels];
-  blended16<Wide>(at, s, of32<(128 << (14 + up_of_one)) + before_even>(), c);
+  constexpr int32_t rounding = (128 << (14 + up_of_one)) + before_even;
+  blended16<Where>(at, s, of32<rounding>(), c, of32<opaque + rounding>());
 #pragma GCC unroll 4
   for (int k = 0; k < Channels; ++k) c[k] = as.even(c[k]);
   return as.packed(c);

@@ -2,7 +2,16 @@
 // AVX-512 kernel: levels of detail of a span's pixels. Included by ../avx512.cpp alone.
 #pragma once
 
-// log2_length() of the eight rows, then of the eight columns, s.16. What is squared is below 2^31 (vectors/levels.hpp).
+// 2^-16 and half of 2^-8 to 2^-8, then finer() with a bias of -8: its limits are whole numbers of those; clamped.
+constexpr int32_t detail_half = 1 << 7;
+SPANTEX_INLINE v16 detail_of(v16 x, v16 most) {
+  const v16 level = _mm512_srai_epi32(x, 8);
+  const v16 detail = _mm512_max_epi32(_mm512_min_epi32(level, of32<80>()), _mm512_sub_epi32(level, of32<128>()));
+  return _mm512_max_epi32(_mm512_min_epi32(detail, most), _mm512_setzero_si512());
+}
+
+// level_term() of log2_length() of the eight rows, then of the eight columns, s.16, half of 2^-8 added. What is squared is below 2^31 (vectors/levels.hpp). Exponents are 18 to 36:
+// the upper limit of a term is not reached; a length of 0, taken for -1/2, stays below any other, and it and what is below the lower limit are levels far below 0.
 SPANTEX_INLINE v16 lengths16(v8 row_u, v8 row_v, v8 column_u, v8 column_v, int exponent) {
   const auto square = [&](v8 u, v8 v) { return _mm512_add_epi64(_mm512_mul_epi32(u, u), _mm512_mul_epi32(v, v)); };
   const v8 row = square(row_u, row_v), column = square(column_u, column_v);
@@ -10,8 +19,8 @@ SPANTEX_INLINE v16 lengths16(v8 row_u, v8 row_v, v8 column_u, v8 column_v, int e
   const v16 lower = _mm512_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30), higher = _mm512_add_epi32(lower, of32<1>());
   const v16 bits = _mm512_permutex2var_epi32(_mm512_sllv_epi64(row, row_zeros), higher, _mm512_sllv_epi64(column, column_zeros));
   const v16 zeros = _mm512_permutex2var_epi32(row_zeros, lower, column_zeros);
-  const v16 level = _mm512_add_epi32(_mm512_srli_epi32(log2_of_bits(bits, _mm512_sub_epi32(of32<63>(), zeros)), 1), set32((1 - exponent) * 65536));
-  return level_term16(_mm512_mask_mov_epi32(level, _mm512_cmpeq_epi32_mask(zeros, of32<64>()), of32<-32 * 65536>()));
+  const v16 length = _mm512_srai_epi32(log2_of_bits(bits, _mm512_sub_epi32(of32<63>(), zeros)), 1);
+  return _mm512_and_si512(_mm512_add_epi32(length, set32((1 - exponent) * 65536 + detail_half + 32)), of32<-64>());
 }
 
 // Of the span's rows and columns.
@@ -20,14 +29,6 @@ SPANTEX_INLINE v16 lengths_of(const batch& b, int k) {
   const v8 along_u = _mm512_mul_epi32(set(b.twist_u[k]), half), along_v = _mm512_mul_epi32(set(b.twist_v[k]), half);
   return lengths16(_mm512_add_epi64(set(b.u_x[k]), along_u), _mm512_add_epi64(set(b.v_x[k]), along_v), _mm512_sub_epi64(set(b.u_y[k]), along_u),
                    _mm512_sub_epi64(set(b.v_y[k]), along_v), b.exponent[k]);
-}
-
-// 2^-16 and half of 2^-8 to 2^-8, then finer() with a bias of -8: its limits are whole numbers of those; clamped.
-constexpr int32_t detail_half = 1 << 7;
-SPANTEX_INLINE v16 detail_of(v16 x, v16 most) {
-  const v16 level = _mm512_srai_epi32(x, 8);
-  const v16 detail = _mm512_max_epi32(_mm512_min_epi32(level, of32<80>()), _mm512_sub_epi32(level, of32<128>()));
-  return _mm512_max_epi32(_mm512_min_epi32(detail, most), _mm512_setzero_si512());
 }
 
 // Whether some pixel takes from a level whose sides are not level 0's, halved.
@@ -55,9 +56,8 @@ SPANTEX_INLINE common_level common_level_of(const v16 (&level)[quads]) {
 // level_at() of the span's pixels, 2^-8.
 SPANTEX_INLINE void levels_of(const row_work& work, v16 lengths, int s, int series_drop, const v16 (&e)[quads], const slopes16& w, v16 (&level)[quads]) {
   const v16 row = _mm512_setr_epi32(0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3), column = _mm512_setr_epi32(8, 9, 10, 11, 8, 9, 10, 11, 8, 9, 10, 11, 8, 9, 10, 11);
-  const v16 rounded = _mm512_add_epi32(lengths, of32<detail_half>());
-  const v16 top = _mm512_permutexvar_epi32(row, rounded), bottom = _mm512_permutexvar_epi32(_mm512_add_epi32(row, set32(4)), rounded);
-  const v16 left = _mm512_permutexvar_epi32(column, rounded), right = _mm512_permutexvar_epi32(_mm512_add_epi32(column, set32(4)), rounded);
+  const v16 top = _mm512_permutexvar_epi32(row, lengths), bottom = _mm512_permutexvar_epi32(_mm512_add_epi32(row, set32(4)), lengths);
+  const v16 left = _mm512_permutexvar_epi32(column, lengths), right = _mm512_permutexvar_epi32(_mm512_add_epi32(column, set32(4)), lengths);
   const v16 terms[quads] = {_mm512_max_epi32(top, left), _mm512_max_epi32(top, right), _mm512_max_epi32(bottom, left), _mm512_max_epi32(bottom, right)};
   const v16 most = set32(work.last_level << q.level_bits), drop = set32(series_drop), square_drop = _mm512_add_epi32(drop, of32<1>()), log_drop = _mm512_add_epi32(drop, of32<13>());
 #pragma GCC unroll 4

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// AVX-512 kernel: sections of local memory of eight spans at once, a lane for each span and axis. Of spans that are flat enough to tell where their quads lie
-// from what is planned; of others sections.hpp asks the pixels. Included by ../avx512.cpp alone.
+// AVX-512 kernel: sections of local memory of eight spans at once, a lane for each span and axis. Of spans of which what is planned tells where their
+// quads lie; of others sections.hpp asks the pixels. Included by ../avx512.cpp alone.
 #pragma once
 
 constexpr uint64_t columns_below[block_side] = {0, 0x0101010101010101, 0x0303030303030303, 0x0707070707070707, 0x0F0F0F0F0F0F0F0F, 0x1F1F1F1F1F1F1F1F,
@@ -9,24 +9,32 @@ constexpr uint64_t columns_below[block_side] = {0, 0x0101010101010101, 0x0303030
 SPANTEX_INLINE v16 both_axes(__m256i u, __m256i v) { return _mm512_inserti64x4(_mm512_castsi256_si512(u), v, 1); }
 SPANTEX_INLINE v16 both_axes(int32_t u, int32_t v) { return both_axes(_mm256_set1_epi32(u), _mm256_set1_epi32(v)); }
 
-// Where quads lie on level 0, s15.16, u in the lower eight lanes, v in the upper: between the corners of the parallelogram that a quad would be if
-// nothing were divided. 1/w moves a position by less than 2^(extent + slope + 1); a 64th of a texel holds every rounding. Mantissas are below 2^30, each of the two margins
-// is as much again at most: a quarter of them is added up, so that 32 bits hold the sum.
+// Where quads lie on level 0, s15.16, u in the lower eight lanes, v in the upper: so far to either side of their centres. A 64th of a texel holds every rounding. Mantissas
+// are below 2^30, the other margins as much again at most: a quarter of them is added up, so that 32 bits hold the sum.
 struct quad_bounds {
   v16 middle, right, below, spread, to16, base;
-  SPANTEX_INLINE explicit quad_bounds(const batch& b) {
-    const auto quarter = [](const int32_t (&u)[batch_size], const int32_t (&v)[batch_size]) SPANTEX_INLINED { return _mm512_srai_epi32(both_axes(got(u), got(v)), 2); };
-    const v16 a = quarter(b.a_u, b.a_v), d = quarter(b.b_u, b.b_v), x = _mm512_sub_epi32(_mm512_broadcast_i64x4(got(b.exponent)), of32<2>());
-    const v16 steps = _mm512_add_epi32(_mm512_abs_epi32(a), _mm512_abs_epi32(d));
-    const v16 error = _mm512_broadcast_i64x4(got(b.affine_log2)), one = of32<1>();
-    const v16 margin = _mm512_add_epi32(_mm512_sllv_epi32(one, _mm512_add_epi32(x, error)), _mm512_sllv_epi32(one, _mm512_sub_epi32(x, of32<6>())));
-    spread = _mm512_add_epi32(_mm512_add_epi32(steps, _mm512_slli_epi32(steps, 1)), margin);
-    right = _mm512_slli_epi32(a, 2);
-    below = _mm512_slli_epi32(d, 2);
-    middle = quarter(b.c_u, b.c_v);
-    to16 = _mm512_sub_epi32(x, of32<16>());
+
+  // From steps of half pixels about the span's centre, and a quarter of how far a quad spreads.
+  SPANTEX_INLINE quad_bounds(const batch& b, v16 step_x, v16 step_y, v16 of_quad) {
+    const v16 x = _mm512_broadcast_i64x4(got(b.exponent));
+    spread = _mm512_add_epi32(of_quad, _mm512_sllv_epi32(of32<1>(), _mm512_sub_epi32(x, of32<2 + 6>())));
+    middle = _mm512_srai_epi32(both_axes(got(b.c_u), got(b.c_v)), 2);
+    right = step_x;
+    below = step_y;
+    to16 = _mm512_sub_epi32(x, of32<2 + 16>());
     base = _mm512_slli_epi32(both_axes(got(b.base_u), got(b.base_v)), 16);
   }
+
+  // Between the corners of the parallelogram that a quad would be if nothing were divided. 1/w moves a position by less than 2^(extent + slope + 1).
+  SPANTEX_INLINE static quad_bounds undivided(const batch& b) {
+    const v16 a = both_axes(got(b.a_u), got(b.a_v)), d = both_axes(got(b.b_u), got(b.b_v)), steps = _mm512_srai_epi32(_mm512_add_epi32(_mm512_abs_epi32(a), _mm512_abs_epi32(d)), 2);
+    const v16 moved = _mm512_sllv_epi32(of32<1>(), _mm512_broadcast_i64x4(_mm256_add_epi32(_mm256_add_epi32(got(b.exponent), got(b.affine_log2)), _mm256_set1_epi32(-2))));
+    return {b, a, d, _mm512_add_epi32(_mm512_add_epi32(steps, _mm512_slli_epi32(steps, 1)), moved)};
+  }
+
+  // plan_bounds().
+  SPANTEX_INLINE static quad_bounds divided(const batch& b) { return {b, _mm512_load_si512(b.step_x), _mm512_load_si512(b.step_y), _mm512_srai_epi32(_mm512_load_si512(b.spread), 2)}; }
+
   SPANTEX_INLINE v16 centre(int n) const {
     const v16 across = n & 1 ? _mm512_add_epi32(middle, right) : _mm512_sub_epi32(middle, right);
     return n & 2 ? _mm512_add_epi32(across, below) : _mm512_sub_epi32(across, below);
@@ -38,8 +46,7 @@ struct quad_bounds {
 // All quads' bounds: a section on any level takes them.
 struct quad_ends {
   v16 low[quads], high[quads];
-  SPANTEX_INLINE explicit quad_ends(const batch& b) {
-    const quad_bounds bounds(b);
+  SPANTEX_INLINE explicit quad_ends(const quad_bounds& bounds) {
 #pragma GCC unroll 4
     for (int n = 0; n < quads; ++n) {
       low[n] = bounds.low(n);
@@ -48,10 +55,13 @@ struct quad_ends {
   }
 };
 
-// Sections of 2x2 texels on a level of each span. Bit k of what is given back: those of span k's quads are all in here; of `wide`: one of them is more than 8 texels
-// across. Not MayBeWide: such ones are not in here.
-template <bool MayBeWide>
-SPANTEX_INLINE __mmask8 find_sections(const planar_map& map, __m256i level, const quad_ends& ends, batch_sections& s, __mmask8& wide) {
+// How spans' sections lie, bit k of span k's: all of its quads' are here; they are eight rows and eight columns at most; more than eight columns.
+struct section_kinds { __mmask8 here, shallow, wide; };
+
+// Sections of 2x2 texels on a level of each span. Not Deep: shallow ones alone.
+template <bool Deep>
+SPANTEX_INLINE section_kinds find_sections(const planar_map& map, __m256i level, const quad_ends& ends, batch_sections& s) {
+  constexpr __mmask16 rows = 0xFF00;
   const planar_levels& texels = map.levels();
   const v16 levels = both_axes(level, level), axis = _mm512_or_si512(levels, both_axes(0, max_planar_levels));
   const auto of_axes = [&](const int32_t (&u)[max_planar_levels], const int32_t (&v)[max_planar_levels]) SPANTEX_INLINED {
@@ -72,39 +82,55 @@ SPANTEX_INLINE __mmask8 find_sections(const planar_map& map, __m256i level, cons
     large |= _mm512_cmpgt_epi32_mask(_mm512_sub_epi32(end, first[n]), of32<block_side - 1>());
     bad |= _mm512_cmpgt_epi32_mask(_mm512_sub_epi32(block1[n], block0[n]), one);
   }
-  large &= 0xFF;
-  if (!MayBeWide) bad |= large;
-  wide = MayBeWide ? __mmask8(large) : __mmask8(0);
-  const __mmask16 strict = __mmask16((map.period_u() != 0 ? 0xFF : 0) | (map.period_v() != 0 ? 0xFF00 : 0)), even_first = __mmask16(0xFF00 | wide);
+  const section_kinds kinds{0, __mmask8(~(large | large >> batch_size)), __mmask8(large)};
+  const __mmask8 deep = __mmask8(~kinds.shallow);
+  if constexpr (!Deep) bad |= deep;
+  const __mmask16 strict = __mmask16((map.period_u() != 0 ? 0xFF : 0) | (map.period_v() != 0 ? rows : 0)), even_first = __mmask16(rows | kinds.wide);
+  const __mmask16 from_first = __mmask16(kinds.shallow << batch_size);
+  const v16 last_first = _mm512_slli_epi32(last, 3);
+  const auto held = [&](v16 k) SPANTEX_INLINED { return _mm512_max_epi32(_mm512_min_epi32(k, last), of32<-apron>()); };
+  // Bytes of columns of blocks, and of rows of texels.
+  const auto place_of = [&](v16 k) SPANTEX_INLINED {
+    const v16 stacks = _mm512_mullo_epi32(_mm512_mask_srai_epi32(k, rows, k, stack_log2 + 3), bytes);
+    return _mm512_mask_add_epi32(stacks, rows, stacks, _mm512_slli_epi32(_mm512_and_si512(k, of32<(block_side << stack_log2) - 1>()), 3));
+  };
 #pragma GCC unroll 4
   for (int n = 0; n < quads; ++n) {
-    const auto held = [&](v16 k) SPANTEX_INLINED { return _mm512_max_epi32(_mm512_min_epi32(k, last), of32<-apron>()); };
     const v16 k0 = held(block0[n]), k1 = held(block1[n]);
     bad = __mmask16(bad | (strict & (_mm512_cmpneq_epi32_mask(k0, block0[n]) | _mm512_cmpneq_epi32_mask(k1, block1[n]))));
     const __mmask16 swap = _mm512_mask_test_epi32_mask(even_first, block0[n], one);
-    const v16 even = _mm512_mullo_epi32(_mm512_mask_mov_epi32(k0, swap, k1), bytes), odd = _mm512_mullo_epi32(_mm512_mask_mov_epi32(k1, swap, k0), bytes);
-    const __m256i x0 = _mm256_add_epi32(_mm512_castsi512_si256(even), origin), x1 = _mm256_add_epi32(_mm512_castsi512_si256(odd), origin);
-    const __m256i y0 = _mm512_extracti64x4_epi64(even, 1), y1 = _mm512_extracti64x4_epi64(odd, 1);
-    put(s.at[0][0][n], _mm256_add_epi32(x0, y0));
-    put(s.at[0][1][n], _mm256_add_epi32(x0, y1));
-    put(s.at[1][0][n], _mm256_add_epi32(x1, y0));
-    put(s.at[1][1][n], _mm256_add_epi32(x1, y1));
+    const v16 e = _mm512_mask_mov_epi32(k0, swap, k1), o = _mm512_mask_mov_epi32(k1, swap, k0);
+    const v16 first_row = _mm512_max_epi32(_mm512_min_epi32(first[n], last_first), of32<-texel_apron>());
+    const v16 even = place_of(_mm512_mask_mov_epi32(_mm512_mask_slli_epi32(e, rows, e, 3), from_first, first_row));
+    const __m256i y0 = _mm256_add_epi32(_mm512_extracti64x4_epi64(even, 1), origin);
+    put(s.at[0][0][n], _mm256_add_epi32(_mm512_castsi512_si256(even), y0));
+    put(s.row[n], _mm512_extracti64x4_epi64(_mm512_maskz_mov_epi32(from_first, first[n]), 1));
+    if (!Deep || deep == 0) {
+      put(s.at[1][0][n], _mm256_add_epi32(_mm256_mullo_epi32(_mm512_castsi512_si256(o), _mm512_castsi512_si256(bytes)), y0));
+    } else {
+      const v16 odd = place_of(_mm512_mask_slli_epi32(o, rows, o, 3));
+      const __m256i x1 = _mm512_castsi512_si256(odd), y1 = _mm256_add_epi32(_mm512_extracti64x4_epi64(odd, 1), origin);
+      put(s.at[0][1][n], _mm256_add_epi32(_mm512_castsi512_si256(even), y1));
+      put(s.at[1][0][n], _mm256_add_epi32(x1, y0));
+      put(s.at[1][1][n], _mm256_add_epi32(x1, y1));
+    }
     const v8 column = _mm512_cvtepu32_epi64(_mm256_and_si256(_mm512_castsi512_si256(first[n]), _mm256_set1_epi32(block_side - 1)));
     _mm512_store_si512(s.merged[n], _mm512_permutexvar_epi64(column, _mm512_loadu_si512(columns_below)));
   }
-  return __mmask8(~(bad | bad >> batch_size));
+  return {__mmask8(~(bad | bad >> batch_size)), kinds.shallow, kinds.wide};
 }
 
 // On level 0.
 SPANTEX_INLINE void place(const row_work& work, __mmask8 flat, batch& b) {
-  __mmask8 wide;
-  b.placed = flat & find_sections<true>(*work.texels, _mm256_setzero_si256(), quad_ends(b), b.sections, wide);
-  b.wide = wide;
+  const section_kinds kinds = find_sections<true>(*work.texels, _mm256_setzero_si256(), quad_ends(quad_bounds::undivided(b)), b.sections);
+  b.placed = flat & kinds.here;
+  b.shallow = kinds.shallow;
+  b.wide = kinds.wide;
 }
 
 // Single texels of level 0: 8x8 of them in rows. Their places in 8x8 are the three bits above the fraction of an offset with its section's added, and so must fit 32.
 SPANTEX_WRAPS SPANTEX_INLINE void place_rows(const row_work& work, __mmask8 flat, batch& b) {
-  const quad_bounds bounds(b);
+  const quad_bounds bounds = quad_bounds::undivided(b);
   const planar_map& map = *work.texels;
   const __m256i fraction = _mm256_min_epi32(got(b.exponent), _mm256_set1_epi32(32 - 3));
   const v16 base = _mm512_srai_epi32(bounds.base, 16), seven = of32<7>(), bits = both_axes(fraction, fraction), one = of32<1>();
@@ -127,31 +153,44 @@ SPANTEX_WRAPS SPANTEX_INLINE void place_rows(const row_work& work, __mmask8 flat
 // Where the quads of spans lie whose pixels are all on one whole level: on that and on the next one, and what snaps positions to them (snapping).
 struct batch_places {
   batch_sections fine, coarse;
-  alignas(64) int32_t from_u[2][batch_size], from_v[2][batch_size], drop[2][batch_size], turn[2][batch_size];
-  uint32_t placed = 0, wide = 0;   // bit k, as above
+  // One bit of fraction more than on the fine level: that leads to the coarse one by an addition, in both halves of a lane.
+  alignas(32) int32_t from_u[batch_size], from_v[quads][batch_size], drop[batch_size], turn[batch_size], to_coarse[quads][batch_size];
+  alignas(32) int32_t excess[batch_size];      // bits of the offsets to be dropped first
+  uint32_t placed = 0, shallow = 0, wide = 0;  // bit k, as above; those of the coarse level are shallow
 };
 
 // Spans `alike` are on the levels `whole`; those `alone` take nothing from the next one.
 SPANTEX_WRAPS SPANTEX_INLINE void place_alike(const row_work& work, const batch& b, uint32_t alike, uint32_t alone, const int32_t (&whole)[batch_size], batch_places& p) {
-  const __m256i fine = got(whole), coarse = _mm256_min_epi32(_mm256_add_epi32(fine, _mm256_set1_epi32(1)), _mm256_set1_epi32(work.last_level)), bits = got(b.exponent);
-  // Flat: a quarter of the level's texel at most; positions modulo 32 texels of the coarser one fit 32 bits (shorten()).
-  alike &= _mm256_cmple_epi32_mask(_mm256_sub_epi32(got(b.affine_log2), fine), _mm256_set1_epi32(-2)) &
-           _mm256_cmple_epi32_mask(_mm256_add_epi32(bits, coarse), _mm256_set1_epi32(27)) & _mm256_cmpneq_epi32_mask(got(b.terms), _mm256_set1_epi32(divide_terms));
+  const __m256i fine = got(whole), coarse = _mm256_min_epi32(_mm256_add_epi32(fine, _mm256_set1_epi32(1)), _mm256_set1_epi32(work.last_level));
+  // Positions modulo 32 texels of the coarser level fit 32 bits (shorten()).
+  const __m256i excess = _mm256_max_epi32(_mm256_sub_epi32(_mm256_add_epi32(got(b.exponent), coarse), _mm256_set1_epi32(27)), _mm256_setzero_si256()), bits = _mm256_sub_epi32(got(b.exponent), excess);
+  // plan_bounds() holds up to a slope of 1/4.
+  alike &= _mm256_cmple_epi32_mask(got(b.slope_log2), _mm256_set1_epi32(-2)) & _mm256_cmpneq_epi32_mask(got(b.terms), _mm256_set1_epi32(divide_terms));
   p.placed = 0;
   if (alike == 0) return;
-  const quad_ends ends(b);
-  __mmask8 wide, no_coarse;
-  alike &= find_sections<true>(*work.texels, fine, ends, p.fine, wide);
-  if ((alike & ~alone) != 0) alike &= alone | find_sections<false>(*work.texels, coarse, ends, p.coarse, no_coarse);
+  const quad_ends ends(quad_bounds::divided(b));
+  const section_kinds kinds = find_sections<true>(*work.texels, fine, ends, p.fine);
+  alike &= kinds.here;
+  if ((alike & ~alone) != 0) alike &= alone | find_sections<false>(*work.texels, coarse, ends, p.coarse).here;
   p.placed = alike;
-  p.wide = wide;
-  const v16 shift = _mm512_add_epi32(both_axes(fine, coarse), _mm512_sub_epi32(both_axes(bits, bits), of32<q.subtexel_bits>())), one = of32<1>();
-  const v16 half = _mm512_sllv_epi32(one, _mm512_sub_epi32(shift, one));
-  const v16 rounding = _mm512_sllv_epi32(one, _mm512_sub_epi32(both_axes(bits, bits), of32<q.coordinate_bits + 1>()));
-  const v16 start = _mm512_add_epi32(rounding, _mm512_sub_epi32(half, _mm512_slli_epi32(half, q.subtexel_bits)));
-  const auto from = [&](const int32_t (&base)[batch_size]) SPANTEX_INLINED { return _mm512_add_epi32(start, _mm512_sllv_epi32(both_axes(got(base), got(base)), both_axes(bits, bits))); };
-  _mm512_store_si512(p.from_u, from(b.base_u));
-  _mm512_store_si512(p.from_v, from(b.base_v));
-  _mm512_store_si512(p.drop, shift);
-  _mm512_store_si512(p.turn, _mm512_sub_epi32(shift, of32<16>()));
+  p.shallow = kinds.shallow;
+  p.wide = kinds.wide;
+  const __m256i one = _mm256_set1_epi32(1), shift = _mm256_sub_epi32(_mm256_add_epi32(bits, fine), _mm256_set1_epi32(q.subtexel_bits + 1));
+  const __m256i rounding = _mm256_sllv_epi32(one, _mm256_sub_epi32(bits, _mm256_set1_epi32(q.coordinate_bits + 1)));
+  constexpr int32_t before = 1 - (1 << q.subtexel_bits);  // half of what positions are snapped to, less half a texel
+  const __m256i start = _mm256_add_epi32(rounding, _mm256_sllv_epi32(_mm256_set1_epi32(before), shift));
+  const auto from = [&](const int32_t (&base)[batch_size]) SPANTEX_INLINED { return _mm256_add_epi32(start, _mm256_sllv_epi32(got(base), bits)); };
+  const __m256i from_v = from(b.base_v), texel = _mm256_add_epi32(bits, fine);
+  put(p.excess, excess);
+  put(p.from_u, from(b.base_u));
+  put(p.drop, shift);
+  put(p.turn, _mm256_sub_epi32(shift, _mm256_set1_epi32(16)));
+#pragma GCC unroll 4
+  for (int n = 0; n < quads; ++n) {
+    const __m256i row = got(p.fine.row[n]);
+    put(p.from_v[n], _mm256_sub_epi32(from_v, _mm256_sllv_epi32(row, texel)));
+    // On the coarse level 2 and 256 take the place of 1 and 128; rows are counted from another.
+    const __m256i rows = _mm256_sub_epi32(row, _mm256_slli_epi32(got(p.coarse.row[n]), 1));
+    put(p.to_coarse[n], _mm256_add_epi32(_mm256_slli_epi32(rows, 16 + q.subtexel_bits + 1), _mm256_set1_epi32(int32_t(0x00010001u * uint16_t(before)))));
+  }
 }

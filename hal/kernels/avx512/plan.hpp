@@ -86,6 +86,7 @@ SPANTEX_INLINE void plan_slopes(const row_work& work, setup& s, batch& b) {
 // choose_evaluation().
 SPANTEX_INLINE void plan_evaluation(setup& s, batch& b) {
   const v8 steepness = times7(_mm512_add_epi64(_mm512_abs_epi64(s.g), _mm512_abs_epi64(s.h)));
+  s.steepness = steepness;
   const v8 slope_log2 = _mm512_max_epi64(_mm512_sub_epi64(bit_length(steepness), of64<q.reciprocal_bits>()), of64<least_slope_log2>());
   const __mmask8 steep = _mm512_cmpgt_epi64_mask(slope_log2, of64<most_series_slope_log2>());
   s.slope_log2 = slope_log2;

@@ -20,6 +20,9 @@ SPANTEX_INLINE v16 reach_of(const v16 (&of_u)[quads], const v16 (&of_v)[quads], 
   return _mm512_add_epi32(to16, start);
 }
 
+// How sections are held: up to 8 columns of two blocks; two of two; 8 of any eight rows; three of three.
+enum class held_in : uint8_t { narrow, wide, shallow, large };
+
 // One quad's registers: upper and lower block.
 struct quad_section {
   const uint8_t *near[2], *far[2];
@@ -29,10 +32,20 @@ struct quad_section {
   }
 };
 
+// Of eight rows.
+struct shallow_section {
+  const uint8_t *near, *far;
+  __mmask64 merged;
+  SPANTEX_INLINE shallow_section(const uint8_t* from, int64_t near_at, int64_t far_at, __mmask64 columns) : near(from + near_at), far(from + far_at), merged(columns) {
+    asm("" : "+r"(near), "+r"(far));
+  }
+};
+
 // One quad's section of a span, as find_sections() left it.
-template <bool Wide>
-SPANTEX_INLINE quad_section section_of(const uint8_t* blocks, const batch_sections& s, int k, int n) {
-  return {blocks, s.at[0][0][n][k], s.at[0][1][n][k], s.at[1][0][n][k], s.at[1][1][n][k], Wide ? 0 : s.merged[n][k]};
+template <held_in Where>
+SPANTEX_INLINE auto section_of(const uint8_t* blocks, const batch_sections& s, int k, int n) {
+  if constexpr (Where == held_in::shallow) return shallow_section(blocks, s.at[0][0][n][k], s.at[1][0][n][k], s.merged[n][k]);
+  else return quad_section(blocks, s.at[0][0][n][k], s.at[0][1][n][k], s.at[1][0][n][k], s.at[1][1][n][k], Where == held_in::narrow ? s.merged[n][k] : 0);
 }
 
 // The sections of a span's four quads on a level each, from planar_map::blocks(). Wide: up to 16 columns, the even blocks near; else up to 8, the
@@ -85,7 +98,10 @@ struct section_ends {
     outside = __mmask16(repeating_axes(map) & _mm512_cmpneq_epi32_mask(held(block), block));
   }
   SPANTEX_INLINE v16 held(v16 k) const { return _mm512_max_epi32(_mm512_min_epi32(k, last), least); }
-  SPANTEX_INLINE v16 bytes_of(v16 k) const { return _mm512_mullo_epi32(held(k), unit); }
+  SPANTEX_INLINE v16 bytes_of(v16 k) const {
+    const v16 h = held(k), stacks = _mm512_mullo_epi32(_mm512_mask_srai_epi32(h, of_v, h, stack_log2), unit);
+    return _mm512_mask_add_epi32(stacks, of_v, stacks, _mm512_slli_epi32(_mm512_and_si512(h, of32<stack_blocks - 1>()), 6));
+  }
   SPANTEX_INLINE uint32_t fitting(v16 from, v16 most) const {  // bit n: no more than so many from quad n's first end to its last
     const uint32_t bad = (firsts & _mm512_cmpgt_epi32_mask(spread_of(from), most)) | outside;
     return bad == 0 ? 0xF : ~some_axis(bad) & 0xF;
@@ -137,7 +153,7 @@ SPANTEX_INLINE void find_large_sections(const section_ends& e, large_sections& s
   s.fit = e.fitting(e.block, of32<2>());
 }
 
-template <bool Wide>
+template <held_in Where>
 SPANTEX_INLINE quad_section section_of(const uint8_t* blocks, const span_sections& s, int n) {
-  return {blocks, s.at[0][0][n], s.at[0][1][n], s.at[1][0][n], s.at[1][1][n], Wide ? 0 : s.merged[n]};
+  return {blocks, s.at[0][0][n], s.at[0][1][n], s.at[1][0][n], s.at[1][1][n], Where == held_in::narrow ? s.merged[n] : 0};
 }

@@ -37,7 +37,7 @@ SPANTEX_INLINE v16 halves(texels16 p) { return _mm512_ternarylogic_epi32(p.u, _m
 // The 2x2 blocks from (x, y) on; false where the map has none of them.
 SPANTEX_INLINE bool blocks_at(const planar_map& map, int level, int32_t x, int32_t y, int64_t (&out)[4]) {
   const planar_levels& m = map.levels();
-  const auto axis = [&](int32_t k, int32_t period, int32_t repeat, int32_t last, int32_t bytes, int64_t& even, int64_t& odd) {
+  const auto axis = [&](int32_t k, int32_t period, int32_t repeat, int32_t last, auto&& bytes, int64_t& even, int64_t& odd) {
     int32_t first = k + (k & 1), second = k | 1;
     if (repeat > 0) {
       const bool power = (repeat & (repeat - 1)) == 0;
@@ -47,13 +47,13 @@ SPANTEX_INLINE bool blocks_at(const planar_map& map, int level, int32_t x, int32
     } else if (period != 0 && (k < -apron || k + 1 > last)) {
       return false;
     }
-    even = int64_t(clamp_to(first, -apron, last)) * bytes;
-    odd = int64_t(clamp_to(second, -apron, last)) * bytes;
+    even = bytes(clamp_to(first, -apron, last));
+    odd = bytes(clamp_to(second, -apron, last));
     return true;
   };
   int64_t left, right, top, bottom;
-  if (!axis(x, map.period_u(), m.columns[level], m.last_column[level], m.column_bytes[level], left, right)) return false;
-  if (!axis(y, map.period_v(), m.rows[level], m.last_row[level], m.row_bytes[level], top, bottom)) return false;
+  if (!axis(x, map.period_u(), m.columns[level], m.last_column[level], [&](int32_t c) { return int64_t(c) * m.column_bytes[level]; }, left, right)) return false;
+  if (!axis(y, map.period_v(), m.rows[level], m.last_row[level], [&](int32_t r) { return int64_t(r >> stack_log2) * m.row_bytes[level] + (r & (stack_blocks - 1)) * block_bytes; }, top, bottom)) return false;
   const int64_t origin = m.origin[level];
   out[0] = origin + left + top;
   out[1] = origin + left + bottom;
@@ -108,11 +108,11 @@ SPANTEX_INLINE bool blend_anywhere(const planar_map& map, texels16 p, v16 level,
     quad_section at(map.blocks(), places[0], places[1], places[2], places[3], 0);
     if (these == lanes) [[likely]] {
 #pragma GCC unroll 4
-      for (int k = 0; k < Channels; ++k) out[k] = blended16<true, Up>(at, k, f.s, rounding);
+      for (int k = 0; k < Channels; ++k) out[k] = blended16<held_in::wide, Up>(at, k, f.s, rounding);
       return true;
     }
     const __mmask16 others = rest == lanes ? 0 : __mmask16(~these);
-    for (int k = 0; k < Channels; ++k) out[k] = _mm512_mask_mov_epi32(blended16<true, Up>(at, k, f.s, rounding), others, out[k]);
+    for (int k = 0; k < Channels; ++k) out[k] = _mm512_mask_mov_epi32(blended16<held_in::wide, Up>(at, k, f.s, rounding), others, out[k]);
     rest = __mmask16(rest & ~these);
   }
   return true;
@@ -143,7 +143,7 @@ template <bool TwoLevels>
     if (!blend_anywhere<up>(map, on_levels(at, next), next, 0xFFFF, rounding, coarse)) return false;
   }
   const colouring as;
-  for (int k = 0; k < channel_count; ++k) fine[k] = TwoLevels ? as.between_levels(fine[k], coarse[k], as.level_weights(fraction)) : as.even(fine[k]);
+  for (int k = 0; k < channel_count; ++k) fine[k] = TwoLevels ? as.between_levels(fine[k], coarse[k], as.level_weights(fraction), as.half) : as.even(fine[k]);
   out = as.packed(fine);
   return true;
 }
@@ -157,15 +157,21 @@ SPANTEX_INLINE bool draw_bilinear(const row_work& work, const batch& b, int k) {
   sampling<up_of_one> from;
   colouring as;
   v16 out[quads];
-  const auto drawn = [&]<bool Wide>() SPANTEX_INLINED {
+  const auto drawn = [&]<held_in Where>() SPANTEX_INLINED {
     shorten(0, o.u, o.v, o.bits, o.half);
 #pragma GCC unroll 4
-    for (int n = 0; n < quads; ++n) out[n] = bilinear16<Channels, Wide>(as, section_of<Wide>(map.blocks(), b.sections, k, n), samples16(from, snapped16(positions_of(b, k, o, n), 0)));
+    for (int n = 0; n < quads; ++n) {
+      positions at = positions_of(b, k, o, n);
+      if constexpr (Where == held_in::shallow) at.base_v -= b.sections.row[n][k];
+      out[n] = bilinear16<Channels, Where>(as, section_of<Where>(map.blocks(), b.sections, k, n), samples16(from, snapped16(at, 0)));
+    }
   };
-  if (b.placed & ~b.wide & (1u << k)) {
-    drawn.template operator()<false>();
+  if (b.placed & b.shallow & (1u << k)) {
+    drawn.template operator()<held_in::shallow>();
+  } else if (b.placed & ~b.wide & (1u << k)) {
+    drawn.template operator()<held_in::narrow>();
   } else if (b.placed >> k & 1) {
-    drawn.template operator()<true>();
+    drawn.template operator()<held_in::wide>();
   } else {
     span_sections sections;
     const v16 level = _mm512_setzero_si512();
@@ -174,7 +180,7 @@ SPANTEX_INLINE bool draw_bilinear(const row_work& work, const batch& b, int k) {
     shorten(0, o.u, o.v, o.bits, o.half);
 #pragma GCC unroll 4
     for (int n = 0; n < quads; ++n)
-      out[n] = bilinear16<Channels, true>(as, section_of<true>(map.blocks(), sections, n), samples16(from, snapped16(positions_of(b, k, o, n), 0)));
+      out[n] = bilinear16<Channels, held_in::wide>(as, section_of<held_in::wide>(map.blocks(), sections, n), samples16(from, snapped16(positions_of(b, k, o, n), 0)));
   }
   write(work, b.sx + k, work.masks[b.first + k], out);
   return true;
