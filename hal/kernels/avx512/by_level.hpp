@@ -48,9 +48,13 @@ SPANTEX_INLINE v16 whole_of(v16 level) {
   else return _mm512_srai_epi32(_mm512_add_epi32(level, of32<127>()), 8);  // ceil(d + 1/2) - 1
 }
 
-// What is added to a level's colour, 14 and more bits of fraction: texels are signed, so 128 as well as what rounds.
+// What is added to a level's colour, 14 and more bits of fraction: texels are signed, so 128 as well as what rounds; of one that is packed next, alpha.
 template <bool TwoLevels>
-SPANTEX_INLINE v16 rounding_of(bool with_alpha) { return with_alpha && !TwoLevels ? of32<opaque + (128 << (14 + up_of_one)) + before_even>() :  TwoLevels ? of32<(128 << (14 + up_between)) + (1 << 7)>() : of32<(128 << (14 + up_of_one)) + before_even>(); }
+SPANTEX_INLINE v16 rounding_of(bool with_alpha) {
+  constexpr int32_t of_one = (128 << (14 + up_of_one)) + before_even, of_two = (128 << (14 + up_between)) + (1 << 7);
+  if constexpr (TwoLevels) return of32<of_two>();
+  return with_alpha ? of32<opaque + of_one>() : of32<of_one>();
+}
 
 // Of the quads' first pixels, four times over.
 SPANTEX_INLINE v16 of_quads(const v16 (&x)[quads]) {
@@ -195,8 +199,7 @@ SPANTEX_INLINE v16 snapped_after(const alike_span& s, const C&, v16, v16, v16 fi
   return _mm512_add_epi16(fine, set32(s.at.to_coarse[n][s.k]));
 }
 
-// Their sections.
-// Those of the levels after the fine one are held in what the span says.
+// Their sections, held in what the span says.
 template <int After>
 SPANTEX_INLINE auto section_after(const uint8_t* blocks, const level_span& s, int n) { return section_of<held_in::narrow>(blocks, After == 1 ? s.coarse : s.next, n); }
 template <int After>

@@ -119,7 +119,7 @@ SPANTEX_INLINE void blended16(const large_section& at, const samples& s, v16 rou
 constexpr int32_t before_even = 0x7FFF;
 constexpr int up_of_one = 2, up_between = 1;  // what makes 16 bits of fraction, and 15: bytes 1 and 2 are then the level's 8.7
 
-// Bytes of two registers' lanes, side by side: a pair of bytes of each, or the third of each in the pair `at`.
+// Bytes of two registers' lanes, side by side: a pair of bytes of each.
 SPANTEX_INLINE v16 per_lane(int32_t first) {
   const v16 lane = _mm512_setr_epi32(0x00000000, 0x04040404, 0x08080808, 0x0C0C0C0C, 0x10101010, 0x14141414, 0x18181818, 0x1C1C1C1C, 0x20202020, 0x24242424,
                                      0x28282828, 0x2C2C2C2C, 0x30303030, 0x34343434, 0x38383838, 0x3C3C3C3C);
