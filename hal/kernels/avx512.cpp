@@ -7,6 +7,7 @@
 // side, so positions may wrap around in 32 bits.
 #include "kernel.hpp"
 #include "level_rows.hpp"
+#include "numbers.hpp"
 #include "upright.hpp"
 
 #if defined(__x86_64__)
@@ -27,11 +28,6 @@
 #endif
 
 namespace spantex::kernels {
-
-// Numbers to be read from memory, which is a load: g++ would move a constant that it knows through a general register, which takes a shuffle as well. So they
-// are not const, though nobody changes them.
-template <int32_t X> int32_t number32 = X;
-template <int64_t X> int64_t number64 = X;
 
 namespace {
 

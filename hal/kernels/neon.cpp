@@ -2,6 +2,7 @@
 // The vector kernel with NEON, on arm64: four 32-bit lanes.
 #include "kernel.hpp"
 #include "level_rows.hpp"
+#include "numbers.hpp"
 #include "upright.hpp"
 
 #if defined(__aarch64__) && !defined(__AARCH64EB__)

@@ -2,6 +2,7 @@
 // The vector kernel with SSE4.1: four 32-bit lanes.
 #include "kernel.hpp"
 #include "level_rows.hpp"
+#include "numbers.hpp"
 #include "upright.hpp"
 
 #if defined(__x86_64__)

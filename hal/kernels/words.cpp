@@ -2,6 +2,7 @@
 // The vector kernel for any machine: positions in whatever lanes the compiler makes of four 32-bit numbers, texels in 64-bit words.
 #include "kernel.hpp"
 #include "level_rows.hpp"
+#include "numbers.hpp"
 #include "upright.hpp"
 
 #include <spantex/coordinates.hpp>

@@ -15,7 +15,7 @@ constexpr int quads = 4, quad_side = 4;  // a span's pixels, one register each: 
 using v8 = __m512i;   // eight 64-bit lanes: a span each
 using v16 = __m512i;  // sixteen 32-bit lanes: a pixel each
 
-template <int32_t X> SPANTEX_INLINE v16 of32() { return _mm512_set1_epi32(number32<X>); }
+template <int32_t X> SPANTEX_INLINE v16 of32() { return _mm512_set1_epi32(number32<X>[0]); }
 template <int64_t X> SPANTEX_INLINE v8 of64() { return _mm512_set1_epi64(number64<X>); }
 // x, and the compiler does not know what it is.
 SPANTEX_INLINE v16 held(v16 x) {

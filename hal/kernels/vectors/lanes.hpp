@@ -21,6 +21,14 @@ SPANTEX_INLINE v get(const int32_t* from) {
   __builtin_memcpy(&x, from, sizeof x);
   return x;
 }
+template <int32_t X>
+SPANTEX_INLINE v number() {  // in all lanes
+#if SPANTEX_AVX2
+  return get(number32<X>);
+#else
+  return set(X);
+#endif
+}
 SPANTEX_INLINE void put(void* to, v x) { __builtin_memcpy(to, &x, sizeof x); }
 
 // All lanes shifted alike. Shifts by a number in a register of its own take two operations on Intel, shifts lane by lane one.

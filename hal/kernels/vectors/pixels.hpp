@@ -8,8 +8,8 @@
 
 // 8.7 and the sign of what was left out, to whole numbers: halves to even.
 SPANTEX_INLINE v even(v x, v rest) {
-  const v up = v(v_words(add16(rest, x & 0x00800080)) > 0);  // -1; rest has nothing at bit 7 and below
-  return v(v_words(subtract16(add16(x, set(0x003F003F)), up)) >> q.blend_bits);
+  const v up = v(v_words(add16(rest, x & number<0x00800080>())) > 0);  // -1; rest has nothing at bit 7 and below
+  return v(v_words(subtract16(add16(x, number<0x003F003F>()), up)) >> q.blend_bits);
 }
 
 SPANTEX_INLINE v level_colour(const blends& b, int k) { return from_first(rounding_products(b.change[k], b.weight[k]), b.first[k]); }

@@ -21,7 +21,7 @@ SPANTEX_INLINE v series_of(v e, int slope_log2) {
 // To 2^-8, then finer() with a bias of -8: its limits are whole numbers of those; clamped.
 SPANTEX_INLINE v detail_of(v level_16, int32_t most) {
   const v level = rounded_shift(level_16, 8);
-  return least(largest(largest(least(level, set(80)), level - 128), set(0)), set(most));
+  return least(largest(largest(least(level, number<80>()), level - number<128>()), set(0)), set(most));
 }
 
 // Of two rows, one below the other.
@@ -95,7 +95,7 @@ SPANTEX_INLINE void find_positions(const span_coefficients& c, span_positions& o
 
 // reciprocal_of_w(w, 30), w in (1/2, 3/2).
 SPANTEX_INLINE v reciprocals_of(v w) {
-  const v below_one = v(w < set(1 << 30));
+  const v below_one = v(w < number<1 << 30>());
   const v_32 twice = v_32(w) << 1, m = twice + (twice & v_32(below_one));
   const v_32 r = v_32(reciprocal_wide(v(m), look_up(wide_seeds.seed, v((m >> 24) & 127))));
   return v(below_one < 0 ? rounded_shift(r, 1) : rounded_shift(r, 2));

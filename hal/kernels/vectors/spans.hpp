@@ -112,7 +112,7 @@ SPANTEX_INLINE void place_lanes(const on_level<Shift>& l, v position_u, v positi
     }
   }
   put(out.top, places_of<MasksOnly>(halves(u >> q.subtexel_bits, w << (16 - q.subtexel_bits)), l));
-  put(out.fraction, halves(u, w << 16) & 0x007F007F);
+  put(out.fraction, halves(u, w << 16) & number<0x007F007F>());
 }
 
 // The four texels, interpolated; down: to the texels below.
@@ -259,7 +259,7 @@ class pixels_on_levels {
     place_lanes<MasksOnly>(near_, u, w, positions_, g.near);
     g.near_down = near_.down;
     g.taken = levels_taken::one;
-    if (!TwoLevels || all_equal(level & 255, 0)) return;
+    if (!TwoLevels || all_equal(level & number<255>(), 0)) return;
     place_lanes<MasksOnly>(far_, u, w, positions_, g.far);
     g.far_down = far_.down;
     g.taken = levels_taken::two;
@@ -271,7 +271,7 @@ class pixels_on_levels {
     const blends near = blended(map_, g.near, g.near_down);
     if constexpr (!TwoLevels) return pixels_of(near);
     if (g.taken == levels_taken::one) return pixels_of_level(near);
-    return pixels_between(near, blended(map_, g.far, g.far_down), get(positions_.level + width * n) & 255);
+    return pixels_between(near, blended(map_, g.far, g.far_down), get(positions_.level + width * n) & number<255>());
   }
 
   // What every lane's level is has been found: near() and far() are of it.

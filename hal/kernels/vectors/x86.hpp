@@ -32,12 +32,12 @@ SPANTEX_INLINE v_32 rounded_shift(v_32 x, int shift) { return (x >> shift) + (x 
 SPANTEX_INLINE bool all_equal(v a, int32_t b) { return SPANTEX_OP(movemask_epi8)(raw(a == b)) == int(width == 8 ? 0xFFFFFFFF : 0xFFFF); }
 
 // The numbers of the series (coordinates.hpp: series_number): in the upper half of each lane, lower half zero.
-SPANTEX_INLINE v upper(v x) { return x & int32_t(0xFFFF0000); }
+SPANTEX_INLINE v upper(v x) { return x & number<int32_t(0xFFFF0000)>(); }
 SPANTEX_INLINE v slope_lanes(v twice_e, int slope_log2) { return upper(up_by(twice_e, -1 - slope_log2)); }
 SPANTEX_INLINE v slope_product(v a, v b, int slope_log2) { return upper(down_by(products(a, b), -2 - slope_log2)); }
 SPANTEX_INLINE v half_slope_square(v a, int slope_log2) { return upper(down_by(products(a, a), -1 - slope_log2)); }
 SPANTEX_INLINE v product_with_slope(v x, v slope, int slope_log2) { return down_by(products(x, slope), -2 - slope_log2); }
-SPANTEX_INLINE v level_of_slope(v slope, int slope_log2) { return down_by(products(slope, set(int32_t(level_factor.raw()) << 16)), 11 - slope_log2); }
+SPANTEX_INLINE v level_of_slope(v slope, int slope_log2) { return down_by(products(slope, number<int32_t(level_factor.raw()) << 16>()), 11 - slope_log2); }
 SPANTEX_INLINE v small_products(v a, v b) { return products(a, b); }  // of numbers from 0 to 2^15 - 1
 
 // 64-bit lanes; a product's shift is 1 or more and rounds halves up.
@@ -103,7 +103,7 @@ SPANTEX_INLINE v four_texels_each(const rgba8* from, const uint32_t* at) {
 
 // A row of texels interpolated across: as blends has them, negative. Weights are 128 - f and f; texels are unsigned bytes, so that the other factor is signed, and the negative
 // weights fit: from -128 on. shuffle: which bytes are a texel and the next, channel by channel.
-SPANTEX_INLINE v weights_across(v fraction) { return add16(fraction, subtract16(set(0x00800080), v(SPANTEX_OP(slli_epi16)(raw(fraction), 8)))); }
+SPANTEX_INLINE v weights_across(v fraction) { return add16(fraction, subtract16(number<0x00800080>(), v(SPANTEX_OP(slli_epi16)(raw(fraction), 8)))); }
 SPANTEX_INLINE v across(v texels, v shuffle, v weights) { return v(SPANTEX_OP(maddubs_epi16)(SPANTEX_OP(shuffle_epi8)(raw(texels), raw(shuffle)), raw(weights))); }
 
 // fraction: u in the lower half of each lane, v in the upper, of 128.
