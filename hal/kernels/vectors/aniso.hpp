@@ -128,28 +128,42 @@ SPANTEX_INLINE v means_of_rows(const row_levels& map, const on_level<Shift>& fin
   const v minus_u = get(rows.u + k) >> 31, minus_v = get(rows.v + k) >> 31, length_u = (get(rows.u + k) ^ minus_u) - minus_u, length_v = (get(rows.v + k) ^ minus_v) - minus_v;
   const bool two = !all_equal(fraction, 0);
   constexpr int placed = places_first ? q.max_samples : 1;
-  struct samples_on { lanes_places places[placed]; colour_sums sums; } near, far;
-  const auto add = [&](const on_level<Shift>& level, samples_on& on, int s) SPANTEX_INLINED {
-    add_colours(on.sums, blended(map, on.places[s % placed], level.down), v(samples > s), s < fewest);
+  lanes_places near[placed], far[placed];
+  colour_sums near_sums, far_sums;
+  const auto add = [&](const on_level<Shift>& level, const lanes_places* at, colour_sums& sums, int s) SPANTEX_INLINED {
+    add_colours(sums, blended(map, at[s % placed], level.down), v(samples > s), s < fewest);
   };
-  const auto take = [&](const on_level<Shift>& level, samples_on& on, v u, v w, int s) SPANTEX_INLINED {
-    place_lanes<MasksOnly>(level, centre_u + (u >> rest_bits), centre_v + (w >> rest_bits), p, on.places[s % placed], u & 3, w & 3);
-    if (!places_first) add(level, on, s);
+  const auto add_two = [&](const on_level<Shift>& level, const lanes_places* at, colour_sums& sums, int s) SPANTEX_INLINED {
+    add_colours(sums, blended(map, at[s], level.down), v(samples > s), blended(map, at[s + 1], level.down), v(samples > s + 1), s + 1 < fewest);
+  };
+  // Where periods are powers of two, nothing is lost with what two more bits of fraction leave out above.
+  struct from_centre { v u, v_; };
+  const auto base = [&](const on_level<Shift>& level) SPANTEX_INLINED { return from_centre{(level.add_u + centre_u) << rest_bits, (level.add_v + centre_v) << rest_bits}; };
+  const from_centre fine_base = base(fine), coarse_base = base(coarse);
+  const auto take = [&](const on_level<Shift>& level, const from_centre& from, lanes_places* at, colour_sums& sums, v u, v w, int s) SPANTEX_INLINED {
+    if constexpr (MasksOnly) put_places<true>(level, down_by(u + from.u, level.cut + rest_bits), down_by(w + from.v_, level.cut + rest_bits), at[s % placed]);
+    else place_lanes<false>(level, centre_u + (u >> rest_bits), centre_v + (w >> rest_bits), p, at[s % placed], u & 3, w & 3);
+    if (!places_first) add(level, at, sums, s);
   };
   const auto take_both = [&](v u, v w, int s) SPANTEX_INLINED {
-    take(fine, near, u, w, s);
-    if (two) take(coarse, far, u, w, s);
+    take(fine, fine_base, near, near_sums, u, w, s);
+    if (two) take(coarse, coarse_base, far, far_sums, u, w, s);
   };
   for (int s = 0; s < most; s += 2) {
     const v m = small_products(largest(samples - 1 - s, set(0)), pitch), u = (along(length_u, m) ^ minus_u) - minus_u, w = (along(length_v, m) ^ minus_v) - minus_v;
     take_both(-u, -w, s);
     if (s + 1 < most) take_both(u, w, s + 1);
   }
-  for (int s = 0; places_first && s < most; ++s) {
-    add(fine, near, s);
-    if (two) add(coarse, far, s);
+  if constexpr (places_first) {
+    const auto add_all = [&](const on_level<Shift>& level, const lanes_places* at, colour_sums& sums) SPANTEX_INLINED {
+      int s = 0;
+      for (; s + 1 < most; s += 2) add_two(level, at, sums, s);
+      if (s < most) add(level, at, sums, s);
+    };
+    add_all(fine, near, near_sums);
+    if (two) add_all(coarse, far, far_sums);
   }
-  return means_between(near.sums, far.sums, fraction, samples, look_up(of_samples.inverse, samples));
+  return means_between(near_sums, far_sums, fraction, samples, look_up(of_samples.inverse, samples));
 }
 
 template <bool MasksOnly>

@@ -47,6 +47,21 @@ SPANTEX_INLINE void add_colours(colour_sums& s, const blends& b, v counted, bool
     s.odd[k] += v(v_32(x) >> 16);
   }
 }
+// Of two samples, whose sum still fits 16 bits.
+static_assert(2 * (255 << q.blend_bits) < 1 << 16);
+SPANTEX_INLINE void add_colours(colour_sums& s, const blends& one, v one_counted, const blends& other, v other_counted, bool every_one) {
+#pragma GCC unroll 2
+  for (int k = 0; k < 2; ++k) {
+    v x = level_colour(one, k), y = level_colour(other, k);
+    if (!every_one) {
+      x &= low_words(one_counted, k);
+      y &= low_words(other_counted, k);
+    }
+    x = add16(x, y);
+    s.even[k] += x & 0xFFFF;
+    s.odd[k] += v(v_32(x) >> 16);
+  }
+}
 
 // Of `samples` colours between two levels; fraction of 256. inverse: ceil(2^15 / samples).
 SPANTEX_INLINE v means_between(const colour_sums& fine, const colour_sums& coarse, v fraction, v samples, v inverse) {

@@ -102,6 +102,13 @@ constexpr int rest_bits = 16 - q.coordinate_bits;
 // Where `width` lanes have their four texels on a level: the upper left ones' places in the map; weights of 128, u in the lower half, v in the upper.
 struct alignas(sizeof(v)) lanes_places { int32_t top[width], fraction[width]; };
 
+// Of positions on the level, with subtexel_bits of fraction.
+template <bool MasksOnly, class Shift>
+SPANTEX_INLINE void put_places(const on_level<Shift>& l, v u, v w, lanes_places& out) {
+  put(out.top, places_of<MasksOnly>(halves(u >> q.subtexel_bits, w << (16 - q.subtexel_bits)), l));
+  put(out.fraction, halves(u, w << 16) & number<0x007F007F>());
+}
+
 template <bool MasksOnly, class Shift>
 SPANTEX_INLINE void place_lanes(const on_level<Shift>& l, v position_u, v position_v, const span_positions& p, lanes_places& out, v rest_u = v{}, v rest_v = v{}) {
   v u = down_by(position_u + l.add_u, l.cut), w = down_by(position_v + l.add_v, l.cut);
@@ -111,8 +118,7 @@ SPANTEX_INLINE void place_lanes(const on_level<Shift>& l, v position_u, v positi
       w = narrowed(signed_products(((position_v + p.origin_v) << rest_bits) + rest_v, l.ratio_v), l.shift_v) + l.add_v;
     }
   }
-  put(out.top, places_of<MasksOnly>(halves(u >> q.subtexel_bits, w << (16 - q.subtexel_bits)), l));
-  put(out.fraction, halves(u, w << 16) & number<0x007F007F>());
+  put_places<MasksOnly>(l, u, w, out);
 }
 
 // The four texels, interpolated; down: to the texels below.

@@ -137,6 +137,10 @@ SPANTEX_INLINE void add_colours(colour_sums& s, const blends& b, v counted, bool
     s.odd[k] += to_blend_bits(b.odd[k]) & mask;
   }
 }
+SPANTEX_INLINE void add_colours(colour_sums& s, const blends& one, v one_counted, const blends& other, v other_counted, bool every_one) {
+  add_colours(s, one, one_counted, every_one);
+  add_colours(s, other, other_counted, every_one);
+}
 
 // Of `samples` colours between two levels; fraction of 256. inverse: ceil(2^15 / samples).
 SPANTEX_INLINE v means_between(const colour_sums& fine, const colour_sums& coarse, v fraction, v samples, v inverse) {
