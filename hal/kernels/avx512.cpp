@@ -87,6 +87,35 @@ bool beyond_sections(const row_work& work, int k, unknown taken_for) {
   return beyond(p.u) || beyond(p.v);
 }
 
+// Plans of spans of a row that are left, so that they need no other; aniso.
+struct left_plans {
+  bool known[max_row_spans] = {};
+  span_coefficients of[max_row_spans];
+
+  void keep(const row_work& work, const batch& b, int k) {
+    known[b.first + k] = true;
+    span_coefficients& c = of[b.first + k];
+    c.base_u = b.origin_u[k]; c.base_v = b.origin_v[k];
+    c.c_u = b.c_u[k]; c.a_u = b.a_u[k]; c.b_u = b.b_u[k];
+    c.c_v = b.c_v[k]; c.a_v = b.a_v[k]; c.b_v = b.b_v[k];
+    c.g = b.g[k]; c.h = b.h[k];
+    c.axis.c_u = b.axis[0][k]; c.axis.a_u = b.axis[1][k]; c.axis.b_u = b.axis[2][k];
+    c.axis.c_v = b.axis[3][k]; c.axis.a_v = b.axis[4][k]; c.axis.b_v = b.axis[5][k];
+    c.axis.area_log2 = int16_t(b.area_log2[k] >> (16 - level_term_bits));
+    c.axis.exponent = int8_t(b.axis_exponent[k]);
+    c.exponent = int8_t(b.exponent[k]);
+    c.slope_log2 = int8_t(b.slope_log2[k]);
+    c.last_level = uint8_t(work.last_level);
+    c.how = b.terms[k] == 0 ? evaluation::affine : b.terms[k] == divide_terms ? evaluation::divide : evaluation::series;
+    c.terms = uint8_t(b.terms[k]);
+  }
+};
+struct no_plans {
+  void keep(const row_work&, const batch&, int) {}
+};
+template <filter Kind>
+using plans_of_left = std::conditional_t<uses_footprint(Kind), left_plans, no_plans>;
+
 // Batches of a row. Bilinear leaves the spans of those that are not worth a plan; whether there may be some is seen at the row's ends, since minification grows
 // towards one of them as a rule.
 class batch_order {
@@ -134,7 +163,7 @@ struct next_batch {
 
 // Spans of a batch, bit k for span k, one after another.
 template <filter Kind, int Channels>
-SPANTEX_INLINE void draw_batch(const row_work& work, const batch& b, uint32_t spans, next_batch<Kind>& next) {
+SPANTEX_INLINE void draw_batch(const row_work& work, const batch& b, uint32_t spans, next_batch<Kind>& next, plans_of_left<Kind>& left) {
   bool held = true;  // a span after one that local memory does not hold is left as well: it is like it as a rule
   for (int k = 0; k < batch_size; ++k) {
     if constexpr (Kind == filter::nearest) {
@@ -146,7 +175,9 @@ SPANTEX_INLINE void draw_batch(const row_work& work, const batch& b, uint32_t sp
     if constexpr (Kind == filter::nearest) held = draw_nearest(work, b, k);
     else if constexpr (Kind == filter::bilinear) held = held && draw_bilinear<Channels>(work, b, k);
     else held = held && draw_aniso<Channels>(work, b, k);
-    if (!held) work.left[b.first + k] = true;
+    if (held) continue;
+    work.left[b.first + k] = true;
+    left.keep(work, b, k);
   }
 }
 
@@ -199,7 +230,7 @@ SPANTEX_INLINE void draw_batch_on_levels(const row_work& work, const batch& b, u
 
 // A batch is drawn while the next one is planned.
 template <filter Kind, int Channels>
-void draw_row(const row_work& work) {
+void draw_row(const row_work& work, plans_of_left<Kind>& left) {
   const batch_order order(work, Kind);
   const int begin = order.next(0);
   if (begin >= work.count) return;  // without an operation of 512 bits: what draws the row instead is slower after one
@@ -219,14 +250,14 @@ void draw_row(const row_work& work) {
       else work.left[first + k] = true;
     }
     if constexpr (uses_levels(Kind) && !uses_footprint(Kind)) draw_batch_on_levels<Kind, Channels>(work, b, spans, next);
-    else draw_batch<Kind, Channels>(work, b, spans, next);
+    else draw_batch<Kind, Channels>(work, b, spans, next, left);
   }
 }
 
 template <filter Kind>
-void draw_row(const row_work& work) {
-  if (Kind != filter::nearest && work.texels->opaque()) draw_row<Kind, 3>(work);
-  else draw_row<Kind, 4>(work);
+void draw_row(const row_work& work, plans_of_left<Kind>& left) {
+  if (Kind != filter::nearest && work.texels->opaque()) draw_row<Kind, 3>(work, left);
+  else draw_row<Kind, 4>(work, left);
 }
 
 }  // namespace by_blocks
@@ -236,10 +267,13 @@ template <filter Kind>
 void draw_row(const row_work& work) {
   if constexpr (!uses_footprint(Kind))
     if (work.upright != nullptr) return by_blocks::draw_upright<Kind>(work);
-  by_blocks::draw_row<Kind>(work);
+  by_blocks::plans_of_left<Kind> left;
+  by_blocks::draw_row<Kind>(work, left);
   span_mask rest[max_row_spans];
   int from = work.count, to = 0;
   for (int k = 0; k < work.count; ++k) {
+    if constexpr (uses_footprint(Kind))
+      if (left.known[k]) work.left[k] = !by_rows::draw_planned<Kind>(work, k, left.of[k]);
     rest[k] = work.left[k] ? work.masks[k] : 0;
     if (!work.left[k]) continue;
     work.left[k] = false;

@@ -47,6 +47,7 @@ struct alignas(64) batch {
   alignas(64) int64_t u_x[batch_size], v_x[batch_size], u_y[batch_size], v_y[batch_size], twist_u[batch_size], twist_v[batch_size];  // level.hpp: span_levels()
   alignas(64) int32_t step_x[2 * batch_size], step_y[2 * batch_size], spread[2 * batch_size];  // quad_bounds of filters with levels: u, then v
   int32_t axis_exponent[batch_size], area_log2[batch_size];  // the area's in 2^-16
+  int32_t g[batch_size], h[batch_size], axis[6][batch_size];  // aniso: axis_terms::c_u to b_v
   int32_t sx, first;                                     // the first span: on the screen, and of the row's work
   uint32_t usable;                                       // bit k: span k is in here
   uint32_t level;                                        // aniso; bit k: w is constant

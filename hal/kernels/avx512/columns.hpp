@@ -96,8 +96,12 @@ SPANTEX_INLINE void plan_axes(const setup& s, batch& b) {
   const v8 drop = _mm512_max_epi64(_mm512_sub_epi64(longest, set(bits)), _mm512_setzero_si512());
   const v8 most = set((int64_t(1) << bits) - 1), least = set(-((int64_t(1) << bits) - 1));
   const auto mantissa = [&](v8 x) { return _mm512_max_epi64(_mm512_min_epi64(symmetric8(x, drop), most), least); };
-  keep(b.axis_u, narrowed(mantissa(c_u)), narrowed(mantissa(a_u)), narrowed(mantissa(b_u)));
-  keep(b.axis_v, narrowed(mantissa(c_v)), narrowed(mantissa(a_v)), narrowed(mantissa(b_v)));
+  const __m256i axis[] = {narrowed(mantissa(c_u)), narrowed(mantissa(a_u)), narrowed(mantissa(b_u)), narrowed(mantissa(c_v)), narrowed(mantissa(a_v)), narrowed(mantissa(b_v))};
+  for (int n = 0; n < 6; ++n) put(b.axis[n], axis[n]);
+  keep(b.axis_u, axis[0], axis[1], axis[2]);
+  keep(b.axis_v, axis[3], axis[4], axis[5]);
+  keep(b.g, s.g);
+  keep(b.h, s.h);
   b.level = _mm512_testn_epi64_mask(_mm512_or_si512(s.g, s.h), _mm512_or_si512(s.g, s.h));
   keep(b.axis_exponent, _mm512_sub_epi64(given, drop));
   const v8 area = _mm512_abs_epi64(_mm512_sub_epi64(_mm512_mul_epi32(j.u_x, j.v_y), _mm512_mul_epi32(j.u_y, j.v_x))), zeros = _mm512_lzcnt_epi64(area);

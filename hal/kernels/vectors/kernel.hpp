@@ -3,7 +3,7 @@
 #pragma once
 
 template <filter Kind, bool MasksOnly>
-SPANTEX_INLINE bool draw_span(const row_work& work, int32_t sx, span_mask mask, span_coefficients& c) {
+SPANTEX_INLINE bool draw_span(const row_work& work, int32_t sx, span_mask mask, const span_coefficients& c) {
   span_positions p;
   p.far = false;
   find_positions<uses_levels(Kind) && Kind != filter::aniso>(c, p);
@@ -46,8 +46,9 @@ void draw_row(const row_work& work) {
     plans.next(count, c, usable);
     for (int k = 0; k < count; ++k) {
       c[k].last_level = uint8_t(work.last_level);
-      if constexpr (uses_levels(Kind) && Kind != filter::aniso)
-        if (usable[k]) plan_levels(c[k]);
+      if (!usable[k]) continue;
+      if constexpr (Kind == filter::aniso) span_axis(q, c[k]);
+      else if constexpr (uses_levels(Kind)) plan_levels(c[k]);
     }
     for (int k = 0; k < count; ++k)
       if (work.masks[first + k] != 0 && !(usable[k] && draw_span<Kind, MasksOnly>(work, work.sx + first + k, work.masks[first + k], c[k]))) work.left[first + k] = true;
@@ -60,6 +61,13 @@ void draw_row(const row_work& work) {
     if (work.upright != nullptr) return draw_upright<Kind>(work);
   if (work.texels->levels_in_rows().masks_only()) draw_row<Kind, true>(work);
   else draw_row<Kind, false>(work);
+}
+
+// A span of the row that is planned already.
+template <filter Kind>
+[[maybe_unused]] bool draw_planned(const row_work& work, int k, const span_coefficients& c) {
+  const bool masks_only = work.texels->levels_in_rows().masks_only();
+  return masks_only ? draw_span<Kind, true>(work, work.sx + k, work.masks[k], c) : draw_span<Kind, false>(work, work.sx + k, work.masks[k], c);
 }
 
 void draw_any_row(const row_work& work) {
