@@ -62,7 +62,7 @@ SPANTEX_INLINE bool find_shapes(const row_work& work, const span_coefficients& c
   const int32_t area = t.area_log2 * (1 << (16 - level_term_bits)), most = int32_t(c.last_level) << q.level_bits, whole = (1 - t.exponent) * (1 << 16);
   constexpr int32_t bias = q.sample_bias * (1 << 12);
   bool nonzero = true;
-  v more = set(0);
+  v largest_number = set(1);
   for (int part = 0; part < parts; ++part) {
     form nu(t.c_u, t.a_u, t.b_u, part), nv(t.c_v, t.a_v, t.b_v, part), nw(1 << q.reciprocal_bits, c.g, c.h, part);
     for (int y = 0; y < span_side; ++y) {
@@ -79,13 +79,13 @@ SPANTEX_INLINE bool find_shapes(const row_work& work, const span_coefficients& c
       const v step = look_up(counts.step, ratio >> ratio_step_bits);
       const v samples = (step >> 16) - v((ratio & ((1 << ratio_step_bits) - 1)) >= (step & 0xFFFF));
       put(out.samples + at, samples);
-      more |= samples - 1;
+      largest_number = largest(largest_number, samples);
       nu.next();
       nv.next();
       nw.next();
     }
   }
-  several = !all_equal(more, 0);
+  several = !all_equal(largest_number, 1);
   return nonzero;
 }
 
@@ -128,21 +128,24 @@ SPANTEX_INLINE v means_of_rows(const row_levels& map, const on_level<Shift>& fin
   const v minus_u = get(rows.u + k) >> 31, minus_v = get(rows.v + k) >> 31, length_u = (get(rows.u + k) ^ minus_u) - minus_u, length_v = (get(rows.v + k) ^ minus_v) - minus_v;
   const bool two = !all_equal(fraction, 0);
   constexpr int placed = places_first ? q.max_samples : 1;
-  lanes_places near[placed], far[placed];
-  colour_sums near_sums, far_sums;
+  lanes_places near[placed];
+  colour_sums near_sums;
+  lanes_places far[placed];
+  colour_sums far_sums;
   const auto add = [&](const on_level<Shift>& level, const lanes_places* at, colour_sums& sums, int s) SPANTEX_INLINED {
     add_colours(sums, blended(map, at[s % placed], level.down), v(samples > s), s < fewest);
   };
   const auto add_two = [&](const on_level<Shift>& level, const lanes_places* at, colour_sums& sums, int s) SPANTEX_INLINED {
     add_colours(sums, blended(map, at[s], level.down), v(samples > s), blended(map, at[s + 1], level.down), v(samples > s + 1), s + 1 < fewest);
   };
-  // Where periods are powers of two, nothing is lost with what two more bits of fraction leave out above.
+  // Positions with all the bits that samples have, from where the pixel lies on the level: where periods are powers of two, nothing is lost with what that leaves out above.
+  // NEON has too few registers for it.
   struct from_centre { v u, v_; };
   const auto base = [&](const on_level<Shift>& level) SPANTEX_INLINED { return from_centre{(level.add_u + centre_u) << rest_bits, (level.add_v + centre_v) << rest_bits}; };
   const from_centre fine_base = base(fine), coarse_base = base(coarse);
   const auto take = [&](const on_level<Shift>& level, const from_centre& from, lanes_places* at, colour_sums& sums, v u, v w, int s) SPANTEX_INLINED {
-    if constexpr (MasksOnly) put_places<true>(level, down_by(u + from.u, level.cut + rest_bits), down_by(w + from.v_, level.cut + rest_bits), at[s % placed]);
-    else place_lanes<false>(level, centre_u + (u >> rest_bits), centre_v + (w >> rest_bits), p, at[s % placed], u & 3, w & 3);
+    if constexpr (MasksOnly && places_first) put_places<true>(level, down_by(u + from.u, level.cut + rest_bits), down_by(w + from.v_, level.cut + rest_bits), at[s % placed]);
+    else place_lanes<MasksOnly>(level, centre_u + (u >> rest_bits), centre_v + (w >> rest_bits), p, at[s % placed], u & 3, w & 3);
     if (!places_first) add(level, at, sums, s);
   };
   const auto take_both = [&](v u, v w, int s) SPANTEX_INLINED {

@@ -34,8 +34,11 @@ SPANTEX_INLINE v pixels_of_level(const blends& b) { return packed(even(level_col
 
 // --- many samples --------------------------------------------------------------------------------------
 
-// Colours of one level, 8.7, added up: even channels and odd ones, a lane each, of two pixels a register (blends has them so).
-struct colour_sums { v even[2] = {}, odd[2] = {}; };
+// Colours of one level, 8.7, added up, two channels a lane, of two pixels a register (blends has them so): both, the odd one times 2^16, modulo 2^32; the odd one alone.
+struct colour_sums {
+  v both[2] = {}, odd[2] = {};
+  SPANTEX_INLINE v even(int k) const { return both[k] - (odd[k] << 16); }
+};
 
 // counted: all ones where the lane's pixel has this sample; or every_one has it.
 SPANTEX_INLINE void add_colours(colour_sums& s, const blends& b, v counted, bool every_one) {
@@ -43,7 +46,7 @@ SPANTEX_INLINE void add_colours(colour_sums& s, const blends& b, v counted, bool
   for (int k = 0; k < 2; ++k) {
     v x = level_colour(b, k);
     if (!every_one) x &= low_words(counted, k);
-    s.even[k] += x & 0xFFFF;
+    s.both[k] += x;
     s.odd[k] += v(v_32(x) >> 16);
   }
 }
@@ -58,7 +61,7 @@ SPANTEX_INLINE void add_colours(colour_sums& s, const blends& one, v one_counted
       y &= low_words(other_counted, k);
     }
     x = add16(x, y);
-    s.even[k] += x & 0xFFFF;
+    s.both[k] += x;
     s.odd[k] += v(v_32(x) >> 16);
   }
 }
@@ -71,7 +74,7 @@ SPANTEX_INLINE v means_between(const colour_sums& fine, const colour_sums& coars
       const v t = (near << q.level_bits) + (far - near) * f + half, whole = ((t >> 15) * y) >> 15;
       return whole - (v((whole * n) << 15 == t) & whole & 1);  // a half: to even
     };
-    return mean(fine.even[k], coarse.even[k]) | mean(fine.odd[k], coarse.odd[k]) << 16;
+    return mean(fine.even(k), coarse.even(k)) | mean(fine.odd[k], coarse.odd[k]) << 16;
   };
   return packed(one(0), one(1));
 }
