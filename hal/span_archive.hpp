@@ -72,13 +72,13 @@ constexpr void archive(Archive& a, span_coefficients& c) {
 template <class Visit>
 constexpr void for_each_field(const profile& p, Visit visit) {
   const auto& [fine_side, overflow, scope, formula, level_bias, mip_bias, coordinate_bits, offset_bits, reciprocal_bits, tolerance_bits, subtexel_bits,
-               level_bits, blend_bits, max_samples, sample_slack, sample_bias, area_side_log2, contours, exact_set_up, linear_light, position_rounding,
+               level_bits, blend_bits, max_samples, sample_spacing, sample_slack, sample_bias, area_side_log2, contours, exact_set_up, linear_light, position_rounding,
                colour_rounding] = p;
   visit("fine_side", fine_side); visit("overflow", int(overflow)); visit("scope", int(scope)); visit("formula", int(formula));
   visit("level_bias", level_bias); visit("mip_bias", mip_bias); visit("coordinate_bits", coordinate_bits); visit("offset_bits", offset_bits);
   visit("reciprocal_bits", reciprocal_bits); visit("tolerance_bits", tolerance_bits); visit("subtexel_bits", subtexel_bits);
-  visit("level_bits", level_bits); visit("blend_bits", blend_bits); visit("max_samples", max_samples); visit("sample_slack", sample_slack);
-  visit("sample_bias", sample_bias); visit("area_side_log2", area_side_log2); visit("contours", int(contours)); visit("exact_set_up", int(exact_set_up));
+  visit("level_bits", level_bits); visit("blend_bits", blend_bits); visit("max_samples", max_samples); visit("sample_spacing", sample_spacing);
+  visit("sample_slack", sample_slack); visit("sample_bias", sample_bias); visit("area_side_log2", area_side_log2); visit("contours", int(contours)); visit("exact_set_up", int(exact_set_up));
   visit("linear_light", int(linear_light)); visit("position_rounding", int(position_rounding)); visit("colour_rounding", int(colour_rounding));
 }
 

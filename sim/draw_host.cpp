@@ -31,7 +31,7 @@ struct prepared {
 
 bool has_kernel(const scene& s, const draw_options& o) {
   return o.profile == profile_choice::standard && o.engine == engine_choice::direct && o.space == sampling_space::screen && kernels::draws(o.kind) && !o.single_half &&
-         o.port == nullptr && o.changes == profile_changes{{}, o.changes.max_samples, {}, {}} && o.how.alpha == alpha_mode::opaque && o.how.colour == white && o.skips == usual_skips &&
+         o.port == nullptr && o.changes == profile_changes{.max_samples = o.changes.max_samples} && o.how.alpha == alpha_mode::opaque && o.how.colour == white && o.skips == usual_skips &&
          (o.kind == filter::nearest || std::all_of(s.maps->begin(), s.maps->end(), [](const texture_map& map) { return map.view_on_demand().colours() == colour_space::coded; })) &&
          kernels::kernel_of(o.kernel) != nullptr;
 }
@@ -318,6 +318,7 @@ profile profile_of(profile_choice choice, const profile_changes& changes) {
   profile p = all[size_t(choice)];
   p.formula = changes.level.value_or(p.formula);
   p.max_samples = changes.max_samples.value_or(p.max_samples);
+  p.sample_spacing = changes.sample_spacing.value_or(p.sample_spacing);
   p.sample_slack = changes.sample_slack.value_or(p.sample_slack);
   p.sample_bias = changes.sample_bias.value_or(p.sample_bias);
   if (!is_valid(p)) throw input_error("profile: numbers outside their documented ranges");

@@ -29,9 +29,9 @@ enum class sampling_space : uint8_t {
 
 // What may differ from a profile's own choice of method. The bytes are those of a profile that has it so.
 struct profile_changes {
-  std::optional<level_formula> level;
-  std::optional<int> max_samples, sample_slack, sample_bias;  // profile.hpp
-  bool any() const { return level || max_samples || sample_slack || sample_bias; }
+  std::optional<level_formula> level = {};
+  std::optional<int> max_samples = {}, sample_spacing = {}, sample_slack = {}, sample_bias = {};  // profile.hpp
+  bool any() const { return level || max_samples || sample_spacing || sample_slack || sample_bias; }
   friend bool operator==(const profile_changes&, const profile_changes&) = default;
 };
 

@@ -94,8 +94,7 @@ real exact_footprint_level(const pixel_under_test& p, const exact_vector& along,
   const profile& q = p.q();
   const real w2 = g.w * g.w, length = std::log2(std::hypot(along.u, along.v));
   const real area = std::log2(std::fabs(g.ux * g.vy - g.uy * g.vx) * 4 / (w2 * w2));
-  const real bias = q.sample_bias / 16.0L, most = std::log2(real(q.max_samples));
-  const real ratio = std::clamp(std::min(2 * length - area, length - bias), 0.0L, most);
+  const real ratio = std::clamp(std::min(2 * length - area, length), 0.0L, std::log2(real(q.max_samples)));
   const real minor = length - ratio;
   return std::clamp(finer_level(minor, q.sample_bias) + q.level_bias / 16.0L, 0.0L, real(p.view().last_level()));
 }

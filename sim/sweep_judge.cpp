@@ -92,6 +92,7 @@ sweep_point twin_of(sweep_point p) {
   longest.level_bias = q.level_bias;
   longest.mip_bias = q.mip_bias;
   longest.max_samples = q.max_samples;
+  longest.sample_spacing = q.sample_spacing;
   longest.sample_slack = q.sample_slack;
   longest.sample_bias = q.sample_bias;
   longest.area_side_log2 = q.area_side_log2;
@@ -104,7 +105,7 @@ sweep_point twin_of(sweep_point p) {
 std::string name_of_twin(const sweep_point& p, int frame) {
   const profile& q = p.machine.value;
   std::string name = name_of(p.subject, frame);
-  for (const int n : {int(p.kind), int(q.formula), q.level_bias, q.mip_bias, q.max_samples, q.sample_slack, q.sample_bias, q.area_side_log2, int(q.linear_light)})
+  for (const int n : {int(p.kind), int(q.formula), q.level_bias, q.mip_bias, q.max_samples, q.sample_spacing, q.sample_slack, q.sample_bias, q.area_side_log2, int(q.linear_light)})
     name += "|" + std::to_string(n);
   return name;
 }

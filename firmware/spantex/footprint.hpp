@@ -164,6 +164,12 @@ constexpr int squares_aside(int32_t length_log2) {
 
 }  // namespace detail
 
+// Of aniso, by log2 of the axes' ratio, s.16.
+constexpr int samples_of(const profile& q, int32_t ratio) {
+  const uint32_t pitches = exp2_16(ratio - q.sample_spacing * (1 << 12));
+  return clamp_to(int((pitches + 65535 - (uint32_t(q.sample_slack) << 12)) >> 16), 1, q.max_samples);
+}
+
 // Level of detail and number of samples from n = (u, v) and log2 w.
 struct footprint_shape {
   int32_t level;  // 2^-level_bits; squares: whole
@@ -176,9 +182,8 @@ constexpr footprint_shape shape_of(const Prof& prof, const span_coefficients& c,
   const profile& q = prof.get();
   const int32_t length = detail::axis_log2<Prof>(u, v, c.axis.exponent), major = length - 2 * log2_w;
   const int32_t area = c.axis.area_log2 * (1 << (16 - level_term_bits));
-  const int32_t bias = c.kind == filter::aniso ? q.sample_bias * (1 << 12) : 0;
-  // Where the minor axis is magnified samples need not be closer than its texels: major - bias.
-  const int32_t ratio = clamp_to(min_of(2 * length - area - log2_w, major - bias), 0, log2_16(uint64_t(q.max_samples)));
+  // Where the minor axis is magnified samples need not be closer than texels: major.
+  const int32_t ratio = clamp_to(min_of(2 * length - area - log2_w, major), 0, log2_16(uint64_t(q.max_samples)));
   const int32_t minor = major - ratio;  // level 0 is no mean over texels, so not too wide yet: finer() comes in over the first level
   const int32_t detail_16 = finer(minor, c.kind == filter::aniso ? q.sample_bias : 0) + q.level_bias * (1 << 12);
   const int32_t level = clamp_to(shift_right(detail_16, 16 - q.level_bits), 0, int32_t(c.last_level) << q.level_bits);
@@ -186,8 +191,7 @@ constexpr footprint_shape shape_of(const Prof& prof, const span_coefficients& c,
     const int whole = integer_level(c.kind, level, q.level_bits, c.last_level);
     return {whole << q.level_bits, 2 * detail::squares_aside(major - whole * (1 << 16)) + 1};
   }
-  const uint32_t samples = (exp2_16(ratio) - (uint32_t(q.sample_slack) << 12) + 65535) >> 16;
-  return {level, clamp_to(int(samples), 1, q.max_samples)};
+  return {level, samples_of(q, ratio)};
 }
 
 template <class Prof>

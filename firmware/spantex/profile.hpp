@@ -39,8 +39,9 @@ struct profile {
   int subtexel_bits = 8;                            // fraction bits of a snapped position: the weights of the filter
   int level_bits = 8;                               // fraction bits of the level of detail
   int blend_bits = 16;                              // fraction bits of each level's colour, kept before two are interpolated (at most 16)
-  int max_samples = 16;                             // filter aniso: samples along a footprint, 1 to 16
-  int sample_slack = 2;                             // the number of samples is the axes' ratio less this many 1/16, rounded up (0 to 15)
+  int max_samples = 16;                             // filter aniso: samples along a footprint, and the axes' ratio that they follow, 1 to 16
+  int sample_spacing = 0;                           // they lie 2^(this / 16) minor axes apart (0 to 16)
+  int sample_slack = 2;                             // their number is the ratio over that, less this many 1/16, rounded up (0 to 15)
   int sample_bias = -8;                             // s3.4: the same of a footprint's samples (aniso)
   int area_side_log2 = 4;                           // filters step, hat: a footprint lies within 2^this texels a side (1 to 4)
   bool contours = true;                             // filter contour; false leaves its code out: alpha comes as from trilinear
@@ -61,7 +62,7 @@ constexpr bool is_valid(const profile& p) {
          p.reciprocal_bits >= 12 && p.reciprocal_bits <= 30 && p.tolerance_bits >= 0 && p.tolerance_bits <= 16 &&
          p.subtexel_bits >= 1 && p.subtexel_bits <= 8 && p.level_bits >= 1 && p.level_bits <= 8 &&
          p.blend_bits >= 0 && p.blend_bits <= 16 && p.max_samples >= 1 && p.max_samples <= 16 &&
-         p.sample_slack >= 0 && p.sample_slack <= 15 && p.sample_bias >= -16 && p.sample_bias <= 0 &&
+         p.sample_spacing >= 0 && p.sample_spacing <= 16 && p.sample_slack >= 0 && p.sample_slack <= 15 && p.sample_bias >= -16 && p.sample_bias <= 0 &&
          p.area_side_log2 >= 1 && p.area_side_log2 <= 4;
 }
 

@@ -40,6 +40,7 @@ constexpr int width = 8;
 #include "vectors/positions.hpp"
 #include "vectors/spans.hpp"
 #include "vectors/aniso.hpp"
+#include "vectors/two_rows.hpp"
 #include "vectors/upright.hpp"
 #include "vectors/blend_rows.hpp"
 #include "vectors/kernel.hpp"

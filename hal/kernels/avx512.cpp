@@ -34,11 +34,12 @@ namespace {
 // What local memory does not hold: the kernel of the other machines.
 namespace by_rows {
 #define SPANTEX_TABLES 0
-#define SPANTEX_AVX2 1
+#define SPANTEX_AVX2 0
+#define SPANTEX_AVX512 1
 #include "vectors/common.hpp"
-constexpr int width = 8;
+constexpr int width = 16;
 #include "vectors/lanes.hpp"
-#include "vectors/x86.hpp"
+#include "vectors/avx512.hpp"
 #include "vectors/reciprocal.hpp"
 #include "vectors/even_odd.hpp"
 #include "vectors/log2.hpp"
@@ -48,8 +49,7 @@ constexpr int width = 8;
 #include "vectors/positions.hpp"
 #include "vectors/spans.hpp"
 #include "vectors/aniso.hpp"
-#include "vectors/upright.hpp"
-#include "vectors/blend_rows.hpp"
+#include "vectors/two_rows.hpp"
 #include "vectors/kernel.hpp"
 }  // namespace by_rows
 

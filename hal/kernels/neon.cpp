@@ -32,6 +32,7 @@ constexpr int width = 4;
 #include "vectors/spans.hpp"
 #include "vectors/tables_neon.hpp"
 #include "vectors/aniso.hpp"
+#include "vectors/two_rows.hpp"
 #include "vectors/upright.hpp"
 #include "vectors/blend_pixels.hpp"
 #include "vectors/kernel.hpp"

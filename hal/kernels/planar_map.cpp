@@ -8,12 +8,6 @@ int32_t period(wrap mode, int32_t side) { return mode == wrap::clamp ? 0 : mode 
 int32_t length_of(wrap mode, int32_t side) { return mode == wrap::mirror ? 2 * side : side; }
 int32_t blocks_of(wrap mode, int32_t side) { return (length_of(mode, side) + block_side - 1) / block_side; }
 
-// Blocks after which they come again.
-int32_t repeat_of(wrap mode, int32_t side) {
-  const int32_t length = length_of(mode, side);
-  return mode != wrap::clamp && (length % block_side == 0 || block_side % length == 0) ? blocks_of(mode, side) : 0;
-}
-
 // Stacks of so many blocks: block 0 is the first of a stack, the apron above lies in the one before.
 constexpr int32_t stack_rows = stack_blocks * block_side;
 int32_t stacks_of(int32_t blocks) { return 1 + (blocks + apron + stack_blocks - 1) / stack_blocks; }
@@ -67,14 +61,11 @@ void planar_map::add_level(const texture_view& view, int k, size_t start) {
   levels_.origin[k] = int32_t(start) + levels_.row_bytes[k] + apron * stack_bytes;
   levels_.last_column[k] = across + apron - 1;
   levels_.last_row[k] = down + apron - 1;
-  levels_.columns[k] = repeat_of(wrap_u_, view.width(k));
-  levels_.rows[k] = repeat_of(wrap_v_, view.height(k));
   levels_.period_u[k] = period(wrap_u_, view.width(k));
   levels_.period_v[k] = period(wrap_v_, view.height(k));
   const auto ratio = [](uint32_t r) { return int32_t(r >> 31 != 0 ? r >> 1 : r); };
   levels_.ratio_u[k] = ratio(view.ratio_u(k));
   levels_.ratio_v[k] = ratio(view.ratio_v(k));
-  steady_ &= (wrap_u_ == wrap::clamp || levels_.columns[k] > 0) && (wrap_v_ == wrap::clamp || levels_.rows[k] > 0);
 }
 
 }  // namespace spantex::kernels

@@ -27,7 +27,6 @@ struct alignas(64) planar_levels {
   int32_t origin[max_planar_levels] = {};                 // of block (0, 0), texels 0..7 of rows 0..7, in bytes from planar_map::blocks()
   int32_t column_bytes[max_planar_levels] = {}, row_bytes[max_planar_levels] = {};     // from one stack to the next
   int32_t last_column[max_planar_levels] = {}, last_row[max_planar_levels] = {};       // blocks from -apron to these hold something
-  int32_t columns[max_planar_levels] = {}, rows[max_planar_levels] = {};               // blocks repeat so; 0 where they do not
   int32_t period_u[max_planar_levels] = {}, period_v[max_planar_levels] = {};          // texels repeat so; 0 for clamp
   int32_t ratio_u[max_planar_levels] = {}, ratio_v[max_planar_levels] = {};            // texture_view::ratio_u(); 1, which is 2^31, as 2^30
 };
@@ -40,7 +39,6 @@ class planar_map {
  public:
   explicit planar_map(const texture_view& view, layout of = layout::rows);
   planar_map(planar_map&&) = default;  // and no copy: the blocks are aligned where they are
-  bool steady() const { return steady_; }                 // blocks repeat, or are clamped, on every level
   const planar_levels& levels() const { return levels_; }
   const uint8_t* blocks() const { return blocks_.data() + skew_; }  // 64-byte aligned; values are texels ^ 0x80, signed bytes
   const rgba8* row(int32_t y) const { return levels_in_rows_.row(0, y); }  // of level 0; layout::rows_and_blocks: x and y from -texel_apron
@@ -65,7 +63,7 @@ class planar_map {
   size_t skew_ = 0;
   row_levels levels_in_rows_;
   byte_planes planes_;
-  bool steady_ = true, opaque_ = true;
+  bool opaque_ = true;
   int32_t width_, height_;
   wrap wrap_u_, wrap_v_;
   int32_t period_u_, period_v_;

@@ -25,6 +25,7 @@ class row_levels {
   explicit row_levels(const texture_view& view, int32_t apron = row_apron);
   const rgba8* texels() const { return texels_.data(); }
   int32_t value(field f, int level) const { return fields_[f][level]; }
+  const int32_t (&values(field f) const)[most] { return fields_[f]; }
   int32_t stride(int level) const { return fields_[step][level] >> 16; }
   const rgba8* row(int level, int32_t y) const { return texels() + fields_[origin][level] + int64_t(y) * stride(level); }  // x and y within the apron
   int32_t columns(int level) const { return columns_[level]; }  // to a period or, clamped, to the level's end

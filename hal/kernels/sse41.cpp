@@ -39,6 +39,7 @@ constexpr int width = 4;
 #include "vectors/positions.hpp"
 #include "vectors/spans.hpp"
 #include "vectors/aniso.hpp"
+#include "vectors/two_rows.hpp"
 #include "vectors/upright.hpp"
 #include "vectors/blend_rows.hpp"
 #include "vectors/kernel.hpp"

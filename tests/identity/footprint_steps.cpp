@@ -72,16 +72,16 @@ numbers square_of(const numbers& x) {
   return {s.u, s.v, s.weight[0], s.weight[1], s.weight[2], s.weight[3], s.row_weight};
 }
 
-// Filter, level_bits, max_samples, sample_slack, sample_bias, axis exponent, area, n, log2 w.
+// Filter, level_bits, max_samples, sample_spacing, sample_slack, sample_bias, axis exponent, area, n, log2 w.
 numbers shape_of_pixel(const numbers& x) {
-  const run_time_profile prof{{.level_bits = int(x[1]), .max_samples = int(x[2]), .sample_slack = int(x[3]), .sample_bias = int(x[4])}};
+  const run_time_profile prof{{.level_bits = int(x[1]), .max_samples = int(x[2]), .sample_spacing = int(x[3]), .sample_slack = int(x[4]), .sample_bias = int(x[5])}};
   span_coefficients c{};
   c.kind = x[0] != 0 ? filter::squares : filter::aniso;
   c.last_level = 12;
-  c.axis.exponent = int8_t(x[5]);
-  c.axis.area_log2 = int16_t(x[6]);
+  c.axis.exponent = int8_t(x[6]);
+  c.axis.area_log2 = int16_t(x[7]);
   using mantissa = offset_mantissa<run_time_profile>;
-  const footprint_shape s = shape_of(prof, c, mantissa::from_raw(int32_t(x[7])), mantissa::from_raw(int32_t(x[8])), int32_t(x[9]));
+  const footprint_shape s = shape_of(prof, c, mantissa::from_raw(int32_t(x[8])), mantissa::from_raw(int32_t(x[9])), int32_t(x[10]));
   return {s.level, s.samples};
 }
 

@@ -337,8 +337,9 @@ CASES = [
     (["compare", "--scenes", "tilted", "--filters", "aniso,best"], ["best", "trilinear"]),
     *[(["compare", "--scenes", "tilted", "--filters", f], words) for f, words in (
         ("trilinear:slack=2", ["--slack", "aniso"]), ("aniso:slack=16", ["--slack", "0..15"]), ("aniso:samples=0", ["--samples", "1..16"]), ("aniso:samples=x", ["x", "number"]),
-        ("aniso:speed=9", ["speed", "level, samples, slack, bias"]), ("aniso:bias=-17", ["--bias", "-16..0"]), ("aniso:bias=-", ["number"]), ("trilinear:level=best", ["best", "jacobian", "major", "minor"]), ("bilinear:level=minor", ["--level", "bilinear"]))],
-    (plane(slack="2"), ["--slack", "aniso"]), (plane(bias="-2"), ["--bias", "aniso"]), (plane(samples="2"), ["--samples", "aniso"]),
+        ("aniso:speed=9", ["speed", "level, samples, spacing, slack, bias"]), ("aniso:bias=-17", ["--bias", "-16..0"]), ("aniso:bias=-", ["number"]), ("trilinear:level=best", ["best", "jacobian", "major", "minor"]), ("bilinear:level=minor", ["--level", "bilinear"]))],
+    (plane(slack="2"), ["--slack", "aniso"]), (plane(spacing="2"), ["--spacing", "aniso"]), (plane(bias="-2"), ["--bias", "aniso"]), (plane(samples="2"), ["--samples", "aniso"]),
+    *[(plane(filter="aniso", spacing=n), ["--spacing", "0..16"]) for n in ("-1", "17")],
     *[(plane(filter="aniso", slack=n), ["--slack", "0..15"]) for n in ("-1", "16")],
     *[(plane(filter="aniso", samples=n), ["--samples", "1..16"]) for n in ("0", "17")],
     (plane(level="best"), ["level", "best", "jacobian", "major", "minor"]),

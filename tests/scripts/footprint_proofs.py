@@ -120,15 +120,15 @@ class Model:
         drop = exponent - 17
         return clamp(symmetric(x, drop) if drop >= 0 else x << -drop, -(1 << 31), (1 << 31) - 1)
 
-    def shape(self, squares, L, samples, slack, bias, exponent, area, nu, nv, log2_w):
+    def shape(self, squares, L, samples, spacing, slack, bias, exponent, area, nu, nv, log2_w):
         square = nu * nu + nv * nv
         length = self.log2_16(square) // 2 + (1 - exponent) * 65536 if square else -(32 << 16)
         major, bias = length - 2 * log2_w, 0 if squares else bias * 4096
-        ratio = clamp(min(2 * length - area * 64 - log2_w, major - bias), 0, self.log2_16(samples))
+        ratio = clamp(min(2 * length - area * 64 - log2_w, major), 0, self.log2_16(samples))
         minor = major - ratio
         level = clamp(nearest(max(minor + bias, min(minor, -5 * bias // 8)), 16 - L), 0, 12 << L)
         if not squares:
-            return [level, clamp((self.exp2(ratio) - (slack << 12) + 65535) >> 16, 1, samples)]
+            return [level, clamp((self.exp2(ratio - spacing * 4096) - (slack << 12) + 65535) >> 16, 1, samples)]
         whole = max(0, ((level + (1 << (L - 1)) + (1 << L) - 1) >> L) - 1)
         texels = self.exp2(clamp(major - whole * 65536, -16 * 65536, 4 * 65536 + 65535))
         return [whole << L, 2 * clamp((texels + 2 * 65536 - 1) >> 18, 0, 7) + 1]
@@ -244,9 +244,9 @@ def links(library, trials):
         axis_exponent = rng.randint(-3, k["max_axis_exponent"][0])
         affine = rng.randint(0, 1)
         yield ["axis_at", R, affine, axis_exponent, n, r], [model.vector(R, affine, axis_exponent, n, r)]
-        L, samples, slack, bias = pick("level_bits"), pick("max_samples"), rng.randint(0, 15), rng.randint(-16, 0)
+        L, samples, spacing, slack, bias = pick("level_bits"), pick("max_samples"), rng.randint(0, 16), rng.randint(0, 15), rng.randint(-16, 0)
         nu, nv, log2_w = rng.any(30), rng.any(30), rng.randint(-65536, 38336)
-        shape = [rng.randint(0, 1), L, samples, slack, bias, rng.randint(0, 34), rng.randint(-8 * 1024, 24 * 1024), nu, nv, log2_w]
+        shape = [rng.randint(0, 1), L, samples, spacing, slack, bias, rng.randint(0, 34), rng.randint(-8 * 1024, 24 * 1024), nu, nv, log2_w]
         yield ["shape", *shape], model.shape(*shape)
         count = rng.randint(1, k["max_footprint_samples"][0])
         at, length = rng.randrange(count), rng.choice((-(1 << 31), (1 << 31) - 1, rng.any(31), rng.any(22)))

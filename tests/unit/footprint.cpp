@@ -183,7 +183,7 @@ SPANTEX_CASE(footprints_are_what_the_formula_says_on_random_planes) {
       if (length > 16000) continue;  // saturates
       worst_vector = std::fmax(worst_vector, best / (length / 1024 + 0x1p-15));
       const double major = std::log2(length), area_log2 = std::log2(std::fabs(J.ux * J.vy - J.uy * J.vx));
-      const double ratio = std::fmin(std::fmax(std::fmin(2 * major - area_log2, major + 0.5), 0), 4);
+      const double ratio = std::fmin(std::fmax(std::fmin(2 * major - area_log2, major), 0), 4);
       const double minor = major - ratio, level = std::fmin(std::fmax(std::fmax(minor - 0.5, std::fmin(minor, 5.0 / 16)), 0), 12);
       if (std::isfinite(level)) worst_level = std::fmax(worst_level, std::fabs(f.level / 256.0 - level));
       assert_true(f.samples >= 1 && f.samples <= 16 && std::fabs(f.samples - std::ceil(std::exp2(ratio))) <= 1);

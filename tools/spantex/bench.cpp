@@ -57,7 +57,7 @@ bench_choice choice_of(const bench_options& o) {
     if (kind == filter::contour) throw sim::input_error("--filters: contour is a coverage, the reference has none");
   if (o.samples) {
     if (std::count(c.filters.begin(), c.filters.end(), filter::aniso) == 0) throw sim::input_error("--samples: only filter aniso has them");
-    check_changes({{}, o.samples, {}, {}}, filter::aniso);
+    check_changes({.max_samples = o.samples}, filter::aniso);
   }
   return c;
 }

@@ -88,9 +88,10 @@ method method_of(const std::string& text) {
     const std::string name = parts[k].substr(0, equals), value = equals == std::string::npos ? "" : parts[k].substr(equals + 1);
     if (name == "level") m.changes.level = value_of(sim::level_names, value, "level of detail");
     else if (name == "samples") m.changes.max_samples = parse_count(value, text);
+    else if (name == "spacing") m.changes.sample_spacing = parse_count(value, text);
     else if (name == "slack") m.changes.sample_slack = parse_count(value, text);
     else if (name == "bias") m.changes.sample_bias = value.starts_with('-') ? -parse_count(value.substr(1), text) : parse_count(value, text);
-    else throw sim::input_error("--filters: '" + text + "': unknown '" + name + "' (known: level, samples, slack, bias)");
+    else throw sim::input_error("--filters: '" + text + "': unknown '" + name + "' (known: level, samples, spacing, slack, bias)");
   }
   check_changes(m.changes, m.kind);
   return m;
@@ -165,7 +166,7 @@ void add_compare_command(CLI::App& app) {
   CLI::Option* const diff = sub.add_option("--diff", o->diff, "of two pictures: absolute differences, PNG");
   CLI::Option* const scenes =
       sub.add_option("--scenes", o->scenes, "scenes or models, separated by commas: every filter and profile on each of them")->excludes(diff);
-  sub.add_option("--filters", o->filters, list_of(sim::filter_names) + ", object-space (RD16); with level=, samples=, slack=, bias= behind a colon (trilinear:level=minor, aniso:slack=8); separated by commas, or all")->delimiter(',')->needs(scenes)
+  sub.add_option("--filters", o->filters, list_of(sim::filter_names) + ", object-space (RD16); with level=, samples=, spacing=, slack=, bias= behind a colon (trilinear:level=minor, aniso:slack=8); separated by commas, or all")->delimiter(',')->needs(scenes)
       ->default_val(std::vector<std::string>{"all"});
   sub.add_option("--profiles", o->profiles, list_of(sim::profile_names) + "; or all")->delimiter(',')->needs(scenes)->capture_default_str();
   sub.add_option("--texture", o->subject.texture, "map of planes")->needs(scenes);

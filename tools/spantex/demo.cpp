@@ -94,7 +94,7 @@ std::vector<method> methods_of(const sim::scene& s) {
     if (s.name != "tilted") return all;
     for (const filter kind : {filter::nearest, filter::three_point, filter::mip_bilinear, filter::trilinear3, filter::step, filter::hat}) all.push_back({kind, standard});
     for (const level_formula level : {level_formula::major, level_formula::minor})
-      all.push_back({filter::trilinear, standard, sim::sampling_space::screen, {level, {}, {}, {}}});
+      all.push_back({filter::trilinear, standard, sim::sampling_space::screen, {.level = level}});
     return all;
   }
   if (s.name == "contour") return {{filter::contour, exact}, {filter::contour, standard}, {filter::contour, seed}};

@@ -17,6 +17,7 @@ std::string label_of(const method& m) {
   std::string label(sim::name_of(sim::filter_names, m.kind));
   if (m.changes.level) label += ":level=" + std::string(sim::name_of(sim::level_names, *m.changes.level));
   if (m.changes.max_samples) label += ":samples=" + std::to_string(*m.changes.max_samples);
+  if (m.changes.sample_spacing) label += ":spacing=" + std::to_string(*m.changes.sample_spacing);
   if (m.changes.sample_slack) label += ":slack=" + std::to_string(*m.changes.sample_slack);
   if (m.changes.sample_bias) label += ":bias=" + std::to_string(*m.changes.sample_bias);
   return label;

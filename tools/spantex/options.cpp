@@ -153,6 +153,7 @@ void drawing_options::add_to(CLI::App& app, bool with_engine) {
   app.add_option("--profile", profile, list_of(sim::profile_names))->capture_default_str();
   app.add_option("--level", level, "level of detail instead of the profile's: jacobian (longer column), major or minor (KT88's axes)");
   app.add_option("--samples", samples, "filter aniso: at most so many samples along a footprint, 1..16");
+  app.add_option("--spacing", spacing, "filter aniso: samples 2^(this/16) times as far apart as the footprint is wide, 0..16: quality against cost");
   app.add_option("--slack", slack, "filter aniso: samples fewer by so many sixteenths of one, 0..15: quality against cost");
   app.add_option("--bias", bias, "filter aniso: sixteenths added to the level of the footprint's minor axis, -16..0: sharpness against aliasing");
   wrap_given_ = app.add_option("--wrap", wrap, list_of(sim::wrap_names))->capture_default_str();
@@ -175,8 +176,9 @@ void drawing_options::add_to(CLI::App& app, bool with_engine) {
 }
 
 void check_changes(const sim::profile_changes& c, filter kind) {
-  if ((c.max_samples || c.sample_slack || c.sample_bias) && kind != filter::aniso) throw input_error("--samples, --slack, --bias: only filter aniso has them");
+  if ((c.max_samples || c.sample_spacing || c.sample_slack || c.sample_bias) && kind != filter::aniso) throw input_error("--samples, --spacing, --slack, --bias: only filter aniso has them");
   if (c.max_samples && (*c.max_samples < 1 || *c.max_samples > max_footprint_samples)) throw input_error("--samples: outside 1..16");
+  if (c.sample_spacing && (*c.sample_spacing < 0 || *c.sample_spacing > 16)) throw input_error("--spacing: outside 0..16");
   if (c.sample_slack && (*c.sample_slack < 0 || *c.sample_slack > 15)) throw input_error("--slack: outside 0..15");
   if (c.sample_bias && (*c.sample_bias < -16 || *c.sample_bias > 0)) throw input_error("--bias: outside -16..0");
   const bool has_level = uses_levels(kind) && !uses_footprint(kind) && !uses_area(kind);
@@ -254,6 +256,7 @@ sim::draw_options drawing_options::resolve() const {
   o.space = value_of(sim::space_names, space, "space");
   if (level) o.changes.level = value_of(sim::level_names, *level, "level of detail");
   o.changes.max_samples = samples;
+  o.changes.sample_spacing = spacing;
   o.changes.sample_slack = slack;
   o.changes.sample_bias = bias;
   check_changes(o.changes, o.kind);

@@ -66,7 +66,7 @@ struct named_output { std::string option, path; };
 // Refuses two outputs that would be one file.
 void check_outputs_differ(const std::vector<named_output>& outputs);
 
-// Samples 1..16, slack 0..15, bias -16..0; what filter they belong to.
+// Samples 1..16, spacing 0..16, slack 0..15, bias -16..0; what filter they belong to.
 void check_changes(const sim::profile_changes& c, filter kind);
 
 // How pictures are drawn.
@@ -77,7 +77,7 @@ struct drawing_options {
   bool single_half = false, srgb = false;
   std::string alpha = "opaque", culled = "none", no_skip, skip;
   std::optional<std::string> level;
-  std::optional<int> samples, slack, bias;
+  std::optional<int> samples, spacing, slack, bias;
   std::optional<std::string> outline, threshold, field_scale;
 
   void add_to(CLI::App& app, bool with_engine);

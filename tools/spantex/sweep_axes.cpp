@@ -106,6 +106,7 @@ void add_profile(std::vector<sweep_axis>& a) {
   a.push_back(whole<SPANTEX_OF(machine.value.level_bits)>("level_bits", "bits", 1, 8));
   a.push_back(whole<SPANTEX_OF(machine.value.blend_bits)>("blend_bits", "bits", 0, 16));
   a.push_back(whole<SPANTEX_OF(machine.value.max_samples)>("max_samples", "", 1, 16));
+  a.push_back(whole<SPANTEX_OF(machine.value.sample_spacing)>("sample_spacing", "1/16 octave", 0, 16));
   a.push_back(whole<SPANTEX_OF(machine.value.sample_slack)>("sample_slack", "1/16", 0, 15));
   a.push_back(whole<SPANTEX_OF(machine.value.sample_bias)>("sample_bias", "1/16 level", -16, 0));
   a.push_back(whole<SPANTEX_OF(machine.value.area_side_log2)>("area_side_log2", "", 1, 4));

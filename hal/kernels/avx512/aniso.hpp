@@ -12,7 +12,7 @@ constexpr int32_t least_ratio_of(int samples) {
   int32_t fewer = 0, as_many = 4 << 16;
   while (as_many - fewer > 1) {
     const int32_t middle = (fewer + as_many) / 2;
-    (int((exp2_16(middle) - (uint32_t(q.sample_slack) << 12) + 65535) >> 16) >= samples ? as_many : fewer) = middle;
+    (spantex::samples_of(q, middle) >= samples ? as_many : fewer) = middle;
   }
   return as_many;
 }
@@ -67,9 +67,8 @@ SPANTEX_INLINE v16 axis_log2_16(v16 u, v16 v, int exponent) {
 SPANTEX_INLINE void shapes_of(v16 nu, v16 nv, v16 e, int exponent, int32_t area_log2, bool flat, const row_work& work, v16& level, v16& ratio) {
   const v16 zero = _mm512_setzero_si512(), log_w = flat ? zero : _mm512_sub_epi32(log2_of(_mm512_add_epi32(e, of32<1 << 30>())), of32<30 << 16>());
   const v16 length = axis_log2_16(nu, nv, exponent), major = _mm512_sub_epi32(length, _mm512_slli_epi32(log_w, 1));
-  constexpr int32_t bias = q.sample_bias * (1 << 12);
   const v16 stretch = _mm512_sub_epi32(_mm512_sub_epi32(_mm512_slli_epi32(length, 1), set32(area_log2)), log_w);
-  ratio = _mm512_max_epi32(_mm512_min_epi32(_mm512_min_epi32(stretch, _mm512_sub_epi32(major, of32<bias>())), set32(work.most_ratio)), zero);
+  ratio = _mm512_max_epi32(_mm512_min_epi32(_mm512_min_epi32(stretch, major), set32(work.most_ratio)), zero);
   level = detail_of(_mm512_add_epi32(_mm512_sub_epi32(major, ratio), of32<detail_half>()), set32(work.last_level << q.level_bits));
 }
 
@@ -153,35 +152,9 @@ struct row_blender : blending<true> {
   }
 };
 
-// A quad that spreads further. False where the map has no blocks, or, scaled, on several whole levels.
-template <int Channels, bool Scaled>
-[[gnu::noinline]] bool spread_rows(const planar_map& map, int32_t last_level, const row_span& s, int n, v16& out) {
-  const v16 fine_level = _mm512_srli_epi32(s.level[n], 8), coarse_level = _mm512_min_epi32(_mm512_add_epi32(fine_level, of32<1>()), set32(last_level));
-  if (Scaled && _mm512_cmpneq_epi32_mask(fine_level, set32(s.first_level[n])) != 0) return false;
-  const colouring as;
-  const v16 weights = as.level_weights(s.level[n]);
-  const __mmask16 between = _mm512_test_epi32_mask(s.level[n], of32<255>());
-  v16 sum[Channels] = {}, fine[Channels] = {}, coarse[Channels] = {};
-#pragma GCC unroll 1
-  for (int k = 0; k < s.most; ++k) {
-    const __mmask16 lanes = _mm512_cmpgt_epi32_mask(s.samples[n], set32(k)), both = __mmask16(lanes & between);
-    if (lanes == 0) break;
-    const texels16 at = s.sample(n, k);
-    if (!blend_anywhere<up_between>(map, on_level_after<Scaled>(s, at, fine_level, 0, n), fine_level, lanes, 1 << 7, fine)) return false;
-    if (both != 0 && !blend_anywhere<up_between>(map, on_level_after<Scaled>(s, at, coarse_level, 1, n), coarse_level, both, 1 << 7, coarse)) return false;
-    const v16 counted = _mm512_maskz_mov_epi32(lanes, weights);
-#pragma GCC unroll 4
-    for (int m = 0; m < Channels; ++m) sum[m] = as.summed(sum[m], fine[m], coarse[m], counted);
-  }
-  out = mean_of(as, s, n, sum);
-  return true;
-}
-
 template <taken Levels, int Channels, held_in Fine, bool Scaled>
 SPANTEX_INLINE bool blend_rows(const row_work& work, const batch& b, int k, const row_span& s) {
-  return blend_span<row_blender<Levels, Channels, Fine, Scaled>>(work, b, k, s, [&](int n, v16& out) SPANTEX_INLINED {
-    return spread_rows<Channels, Scaled>(*work.texels, work.last_level, s, n, out);
-  });
+  return blend_span<row_blender<Levels, Channels, Fine, Scaled>>(work, b, k, s);
 }
 
 // Rows of pixels whose shapes are known; nu, nv: J times the major axis' direction. False where they are too long.

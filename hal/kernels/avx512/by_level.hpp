@@ -161,8 +161,6 @@ SPANTEX_INLINE void place_scaled_span(const row_work& work, const batch& b, int 
   place<TwoLevels, true>(*work.texels, work.last_level, 0, 0, reach_of(s.u, s.v, 16, 0, 0), s, turns_of(*work.texels, b, k));
 }
 
-SPANTEX_INLINE positions positions_of(const batch& b, int k, const level_span& s, int n) { return {s.u[n], s.v[n], b.base_u[k], b.base_v[k], s.bits, s.half}; }
-
 // What a span's quads take: one level, no pixel any other; or as many as the filter takes; or one more, as some quad's pixels lie on two whole levels.
 enum class taken : uint8_t { one, all, more };
 
@@ -283,31 +281,6 @@ SPANTEX_INLINE void blend_quads(const uint8_t* blocks, const Span& s, uint32_t s
     if (some >> n & 1) out[n] = blended(s, n);
 }
 
-// The quad's positions on the level that lies so many after the fine one, less half a texel, 7 bits of fraction.
-template <bool Scaled>
-SPANTEX_INLINE texels16 on_level_after(const level_span& s, texels16 p, v16 level, int after, int n) {
-  if constexpr (Scaled) return {s.scaled[after].whole(p.u, n), s.scaled[after].whole(p.v, n + quads)};
-  else return on_levels(p, level);
-}
-
-// A quad that spreads too far, as a rule on its fine level alone, or over too many levels. False where the map has no blocks.
-template <bool TwoLevels, taken Levels, int Channels, bool Scaled>
-[[gnu::noinline]] bool spread_quad(const planar_map& map, int32_t last_level, const positions& p, const level_span& s, int n, v16& out) {
-  const v16 whole = whole_of<TwoLevels>(s.level[n]), first = set32(s.first_level[n]);
-  const __mmask16 others = _mm512_cmpneq_epi32_mask(whole, first);
-  const uint32_t further = Levels == taken::more ? (TwoLevels ? s.coarse.fit & s.next.fit : s.coarse.fit) : TwoLevels && Levels == taken::all ? s.coarse.fit : 0xF;
-  if (!(further >> n & 1) || _mm512_cmpgt_epi32_mask(whole, _mm512_add_epi32(first, set32(1))) != 0) {
-    if constexpr (Scaled) return false;
-    else return by_level_anywhere<TwoLevels>(map, p, last_level, whole, _mm512_and_si512(s.level[n], set32(255)), out);
-  }
-  using blender = quad_blender<TwoLevels, Levels, Channels, held_in::narrow, Scaled>;
-  const blender blended(map.blocks());
-  v16 fine[Channels];
-  if (!blend_anywhere<blender::up>(map, on_level_after<Scaled>(s, Scaled ? texels16{p.u, p.v} : texels_of(p), first, 0, n), first, __mmask16(~others), TwoLevels ? 1 << 7 : before_even, fine)) return false;
-  out = blended.finished(s, n, p.u, p.v, v16{}, s.level[n], fine);
-  return true;
-}
-
 // Quads with pixels in a mask.
 SPANTEX_INLINE uint32_t quads_of(span_mask mask) {
   uint32_t in = 0;
@@ -315,20 +288,19 @@ SPANTEX_INLINE uint32_t quads_of(span_mask mask) {
   return in;
 }
 
-// spread(n, out): a quad whose sections are not here.
-template <class Blender, class Span, class Spread>
-SPANTEX_INLINE bool blend_span(const row_work& work, const batch& b, int k, const Span& s, Spread spread) {
+// False where a quad's sections are not here.
+template <class Blender, class Span>
+SPANTEX_INLINE bool blend_span(const row_work& work, const batch& b, int k, const Span& s) {
   const span_mask mask = work.masks[b.first + k];
   const uint8_t* const blocks = work.texels->blocks();
   if (mask == ~span_mask(0) && s.fit == 0xF) [[likely]] {
     write_quads<Blender>(blocks, s, first_of_span(work, b.sx + k), work.stride);
     return true;
   }
-  const uint32_t wanted = quads_of(mask), far = wanted & ~s.fit;
+  const uint32_t wanted = quads_of(mask);
+  if ((wanted & ~s.fit) != 0) return false;
   v16 out[quads];
-  if ((wanted & s.fit) != 0) blend_quads<Blender>(blocks, s, wanted & s.fit, out);
-  for (int n = 0; far >> n != 0; ++n)
-    if ((far >> n & 1) && !spread(n, out[n])) return false;
+  blend_quads<Blender>(blocks, s, wanted, out);
   write(work, b.sx + k, mask, out);
   return true;
 }
@@ -336,9 +308,7 @@ SPANTEX_INLINE bool blend_span(const row_work& work, const batch& b, int k, cons
 template <bool TwoLevels, int Channels, bool Scaled = false>
 SPANTEX_INLINE bool blend_span(const row_work& work, const batch& b, int k, const level_span& s) {
   const auto blended = [&]<taken Levels, held_in Fine>() SPANTEX_INLINED {
-    return blend_span<quad_blender<TwoLevels, Levels, Channels, Fine, Scaled>>(work, b, k, s, [&](int n, v16& out) SPANTEX_INLINED {
-      return spread_quad<TwoLevels, Levels, Channels, Scaled>(*work.texels, work.last_level, positions_of(b, k, s, n), s, n, out);
-    });
+    return blend_span<quad_blender<TwoLevels, Levels, Channels, Fine, Scaled>>(work, b, k, s);
   };
   const auto by_width = [&]<taken Levels>() SPANTEX_INLINED {
     switch (s.fine_in) {
@@ -355,7 +325,7 @@ template <bool TwoLevels, int Channels>
 SPANTEX_INLINE void blend_alike(const row_work& work, const batch& b, int k, bool alone, level_span& s, const batch_places& p) {
   if (p.excess[k] > 0) [[unlikely]] drop_bits(p.excess[k], s.u, s.v);
   const auto blended = [&]<taken Levels, held_in Fine>() SPANTEX_INLINED {
-    blend_span<quad_blender<TwoLevels, Levels, Channels, Fine>>(work, b, k, alike_span{s.u, s.v, s.level, p, k}, [](int, v16&) { return true; });
+    blend_span<quad_blender<TwoLevels, Levels, Channels, Fine>>(work, b, k, alike_span{s.u, s.v, s.level, p, k});
   };
   const auto by_width = [&]<taken Levels>() SPANTEX_INLINED {
     if (p.shallow >> k & 1) blended.template operator()<Levels, held_in::shallow>();

@@ -62,8 +62,6 @@ SPANTEX_INLINE samples samples16(const sampling<Up>& c, v16 at) {
   s.v = _mm512_mask_sub_epi16(fv, __mmask32(c.even), c.all_v, fv);
   return s;
 }
-template <int Up>
-SPANTEX_INLINE samples samples16(v16 at) { return samples16<0>(sampling<Up>(), at); }
 
 // One channel's texels, four a pixel.
 template <held_in Where>
@@ -85,10 +83,6 @@ SPANTEX_INLINE v16 fetch16(const shallow_section& from, int channel, const sampl
   return _mm512_permutexvar_epi8(s.index, _mm512_mask_loadu_epi8(_mm512_loadu_si512(from.near + plane), from.merged, from.far + plane));
 }
 
-template <held_in Where, int Up>
-SPANTEX_INLINE v16 blended16(const quad_section& at, int channel, const samples& s, int32_t rounding) {
-  return _mm512_dpwssd_epi32(set32((128 << (14 + Up)) + rounding), _mm512_maddubs_epi16(s.u, fetch16<Where>(at, channel, s)), s.v);
-}
 template <held_in Where, int Channels, class Section>
 SPANTEX_INLINE void blended16(const Section& at, const samples& s, v16 rounding, v16 (&out)[Channels], v16 of_last) {
 #pragma GCC unroll 4

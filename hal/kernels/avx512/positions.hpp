@@ -216,7 +216,4 @@ struct alignas(32) scaling {
     const v16 x = _mm512_srlv_epi32(product(u, n), set32(drop[n])), y = _mm512_rorv_epi32(product(v, n + quads), set32(drop[n + quads] - 16));
     return _mm512_mask_mov_epi16(y, __mmask32(c.even), x);
   }
-
-  // All of them, as on_levels() has them.
-  SPANTEX_INLINE v16 whole(v16 x, int k) const { return _mm512_srav_epi32(product(x, k), set32(drop[k])); }
 };

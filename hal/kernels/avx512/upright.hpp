@@ -242,7 +242,7 @@ template <filter Kind>
 void draw_upright(const row_work& work) {
   const upright_row& row = *work.upright;
   if (!row.fine.columns->left) prepare<Kind>(work, row);
-  if (row.fine.columns->left) return by_rows::draw_upright<Kind>(work);
+  if (row.fine.columns->left) return avx2_kernel()(work);
   const bool two_windows = max_of(row.fine.columns->way, row.coarse.columns->way) == windows::two;
   if constexpr (Kind == filter::nearest) {
     const level_rows map(*work.texels);

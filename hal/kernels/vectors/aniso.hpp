@@ -9,14 +9,13 @@ static_assert(q.max_samples == 16 && q.sample_bias == -8, "row_work::most_ratio,
 constexpr int ratio_step_bits = 12, ratio_steps = 4 << (16 - ratio_step_bits);
 struct sample_counts {
   int32_t step[ratio_steps + 1];
-  static constexpr int32_t at(int32_t ratio) { return clamp_to(int32_t((exp2_16(ratio) - (uint32_t(q.sample_slack) << 12) + 65535) >> 16), 1, q.max_samples); }
   constexpr sample_counts() : step() {
     for (int32_t k = 0; k <= ratio_steps; ++k) {
-      const int32_t from = k << ratio_step_bits, count = at(from);
+      const int32_t from = k << ratio_step_bits, count = samples_of(q, from);
       int32_t low = 0, high = 1 << ratio_step_bits;  // as many at low; more at high, or there is no high
       while (high - low > 1) {
         const int32_t middle = (low + high) / 2;
-        (at(from + middle) > count ? high : low) = middle;
+        (samples_of(q, from + middle) > count ? high : low) = middle;
       }
       step[k] = count << 16 | high;
     }
@@ -27,7 +26,7 @@ constexpr sample_counts counts{};
 // The clamp of the ratio is one of the number of samples.
 constexpr bool ratios_limit_samples() {
   for (int most = 1; most <= q.max_samples; ++most)
-    if (sample_counts::at(log2_16(uint64_t(most))) > most) return false;
+    if (samples_of(q, log2_16(uint64_t(most))) > most) return false;
   return true;
 }
 static_assert(ratios_limit_samples());
@@ -60,12 +59,11 @@ SPANTEX_INLINE bool find_shapes(const row_work& work, const span_coefficients& c
   const axis_terms& t = c.axis;
   const bool flat = (c.g | c.h) == 0;
   const int32_t area = t.area_log2 * (1 << (16 - level_term_bits)), most = int32_t(c.last_level) << q.level_bits, whole = (1 - t.exponent) * (1 << 16);
-  constexpr int32_t bias = q.sample_bias * (1 << 12);
   bool nonzero = true;
   v largest_number = set(1);
   for (int part = 0; part < parts; ++part) {
     form nu(t.c_u, t.a_u, t.b_u, part), nv(t.c_v, t.a_v, t.b_v, part), nw(1 << q.reciprocal_bits, c.g, c.h, part);
-    for (int y = 0; y < span_side; ++y) {
+    for (int y = 0; y < span_side; y += rows_at_once) {
       const int at = place_of(y, part);
       put(out.n_u + at, nu.at);
       put(out.n_v + at, nv.at);
@@ -74,7 +72,7 @@ SPANTEX_INLINE bool find_shapes(const row_work& work, const span_coefficients& c
       v bits;
       nonzero &= normalised(squares, &bits);
       const v length = half_log2_of(bits) + whole, log_w = flat ? set(0) : log2_of_w(nw.at), major = length - (log_w << 1);
-      const v ratio = largest(least(least((length << 1) - area - log_w, major - bias), set(work.most_ratio)), set(0)), minor = major - ratio;
+      const v ratio = largest(least(least((length << 1) - area - log_w, major), set(work.most_ratio)), set(0)), minor = major - ratio;
       put(level + at, detail_of(minor, most));
       const v step = look_up(counts.step, ratio >> ratio_step_bits);
       const v samples = (step >> 16) - v((ratio & ((1 << ratio_step_bits) - 1)) >= (step & 0xFFFF));
@@ -183,6 +181,9 @@ template <bool MasksOnly>
 
 struct range_of { int fewest, most; };
 SPANTEX_INLINE range_of numbers_of(const int32_t* samples) {
+#if SPANTEX_AVX512
+  return {least_lane(get(samples)), largest_lane(get(samples))};
+#endif
   range_of r{samples[0], samples[0]};
   if (!all_equal(get(samples), r.most))
     for (int k = 1; k < width; ++k) r = {min_of(r.fewest, samples[k]), max_of(r.most, samples[k])};

@@ -11,9 +11,10 @@ typedef uint16_t v_unsigned __attribute__((vector_size(4 * width)));
 
 struct wide { v_64 first, second; };  // 64 bits a lane, in the order that the machine's products have
 
-// A span's pixels in memory: `width` neighbours of a row, below them those of the next row; after the last row the next part of all rows.
-constexpr int parts = span_side / width;  // of a row of pixels
-constexpr int place_of(int y, int part) { return width * (span_side * part + y); }
+// A span's pixels in memory: neighbours of a row, as many as there are lanes, below them those of the next row; after the last row the next part of all rows. More lanes
+// than a row has pixels are two rows.
+constexpr int lanes_across = min_of(width, span_side), parts = span_side / lanes_across, rows_at_once = width / lanes_across;
+constexpr int place_of(int y, int part) { return lanes_across * (span_side * part + y); }
 
 SPANTEX_INLINE v set(int32_t x) { return v{} + x; }
 SPANTEX_INLINE v get(const int32_t* from) {
@@ -25,6 +26,8 @@ template <int32_t X>
 SPANTEX_INLINE v number() {  // in all lanes
 #if SPANTEX_AVX2
   return get(number32<X>);
+#elif SPANTEX_AVX512
+  return set(number32<X>[0]);
 #else
   return set(X);
 #endif
@@ -35,12 +38,16 @@ SPANTEX_INLINE void put(void* to, v x) { __builtin_memcpy(to, &x, sizeof x); }
 SPANTEX_INLINE v down_by(v x, int n) {
 #if SPANTEX_AVX2
   if (!__builtin_constant_p(n)) return v(_mm256_srav_epi32(__m256i(x), __m256i(set(n))));
+#elif SPANTEX_AVX512
+  if (!__builtin_constant_p(n)) return v(_mm512_srav_epi32(__m512i(x), __m512i(set(n))));
 #endif
   return x >> n;
 }
 SPANTEX_INLINE v up_by(v x, int n) {
 #if SPANTEX_AVX2
   if (!__builtin_constant_p(n)) return v(_mm256_sllv_epi32(__m256i(x), __m256i(set(n))));
+#elif SPANTEX_AVX512
+  if (!__builtin_constant_p(n)) return v(_mm512_sllv_epi32(__m512i(x), __m512i(set(n))));
 #endif
   return x << n;
 }
@@ -48,12 +55,16 @@ SPANTEX_INLINE v down_by(v x, v n) { return x >> n; }
 SPANTEX_INLINE v_64 down_by(v_64 x, int n) {
 #if SPANTEX_AVX2
   if (!__builtin_constant_p(n)) return v_64(_mm256_srlv_epi64(__m256i(x), __m256i(v_64{} + uint64_t(n))));
+#elif SPANTEX_AVX512
+  if (!__builtin_constant_p(n)) return v_64(_mm512_srlv_epi64(__m512i(x), __m512i(v_64{} + uint64_t(n))));
 #endif
   return x >> n;
 }
 SPANTEX_INLINE v_64 up_by(v_64 x, int n) {
 #if SPANTEX_AVX2
   if (!__builtin_constant_p(n)) return v_64(_mm256_sllv_epi64(__m256i(x), __m256i(v_64{} + uint64_t(n))));
+#elif SPANTEX_AVX512
+  if (!__builtin_constant_p(n)) return v_64(_mm512_sllv_epi64(__m512i(x), __m512i(v_64{} + uint64_t(n))));
 #endif
   return x << n;
 }
@@ -74,13 +85,19 @@ SPANTEX_INLINE v least16_unsigned(v a, v b) { return v(v_unsigned(a) < v_unsigne
 
 SPANTEX_INLINE v half_pixels_across() {
   v x{};
-  for (int k = 0; k < width; ++k) x[k] = half_pixels(k);
+  for (int k = 0; k < width; ++k) x[k] = half_pixels(k % lanes_across);
+  return x;
+}
+// From the first row that the lanes are.
+SPANTEX_INLINE v half_pixels_down() {
+  v x{};
+  for (int k = 0; k < width; ++k) x[k] = 2 * (k / lanes_across);
   return x;
 }
 
 // s5.10 of the coefficients, s.16.
 SPANTEX_INLINE v levels16(const int16_t* from) {
   v x{};
-  for (int k = 0; k < width; ++k) x[k] = from[k];
+  for (int k = 0; k < width; ++k) x[k] = from[k % lanes_across];
   return x * 64;
 }

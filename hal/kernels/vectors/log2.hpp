@@ -47,6 +47,20 @@ SPANTEX_INLINE void half_log2_of(v (&x)[N]) {
   for (v& one : x) one = half_log2_of(one);
 }
 
+#if SPANTEX_AVX512
+// Normalised. False where one of them is zero.
+template <int N>
+SPANTEX_INLINE bool normalised(const wide (&s)[N], v* out) {
+  __mmask8 zero = 0;
+  const auto one = [&](v_64 x) SPANTEX_INLINED {
+    zero |= _mm512_testn_epi64_mask(raw(x), raw(x));
+    const v_64 zeros = v_64(_mm512_lzcnt_epi64(raw(x)));
+    return ((x << zeros) >> (63 - significand_bits)) + ((62 - zeros) << significand_bits);
+  };
+  for (int n = 0; n < N; ++n) out[n] = narrowed({one(s[n].first), one(s[n].second)});
+  return zero == 0;
+}
+#else
 // Normalised. False where one of them is zero.
 template <int N>
 SPANTEX_INLINE bool normalised(const wide (&s)[N], v* out) {
@@ -74,3 +88,4 @@ SPANTEX_INLINE bool normalised(const wide (&s)[N], v* out) {
   }
   return nonzero;
 }
+#endif

@@ -24,7 +24,7 @@ SPANTEX_INLINE v detail_of(v level_16, int32_t most) {
   return least(largest(largest(least(level, number<80>()), level - number<128>()), set(0)), set(most));
 }
 
-// Of two rows, one below the other.
+// Of two vectors of rows, one below the other.
 template <class Number>
 SPANTEX_INLINE void put_details(Number* to, v upper, v lower, int32_t most) {
   put(to, detail_of(upper, most));
@@ -33,9 +33,14 @@ SPANTEX_INLINE void put_details(Number* to, v upper, v lower, int32_t most) {
 
 // s5.10 of the coefficients, s.16, by rows.
 struct row_levels16 {
-  alignas(sizeof(v)) int32_t row[span_side];
+  alignas(sizeof(v)) int32_t row[max_of(width, span_side)];
   SPANTEX_INLINE void read(const span_coefficients& c) {
     for (int part = 0; part < parts; ++part) put(row + width * part, levels16(c.level_row + width * part));
+  }
+  SPANTEX_INLINE v from(int y) const {  // of the rows from y on that the lanes are
+    v x = set(row[y]);
+    for (int k = lanes_across; k < width; ++k) x[k] = row[y + 1];
+    return x;
   }
 };
 
@@ -45,7 +50,9 @@ SPANTEX_INLINE v twice_log2_of_slope(v e, int slope_log2) { return level_of_slop
 // c + a hx + b hy, row by row.
 struct form {
   v at, down;
-  SPANTEX_INLINE form(int32_t c, int32_t a, int32_t b, int part) : at(half_pixels_across() * a + (c + 2 * width * part * a - reach * b)), down(set(2 * b)) {}
+  SPANTEX_INLINE form(int32_t c, int32_t a, int32_t b, int part) : at(half_pixels_across() * a + (c + 2 * width * part * a - reach * b)), down(set(2 * rows_at_once * b)) {
+    if constexpr (rows_at_once > 1) at += half_pixels_down() * b;
+  }
   SPANTEX_INLINE void next() { at += down; }
 };
 
@@ -76,17 +83,17 @@ SPANTEX_INLINE void find_positions(const span_coefficients& c, span_positions& o
         nu.next();
         nv.next();
       }
-      if constexpr (Levels) return largest(column, set(levels.row[y])) - twice_log2_of_slope(e, s);
+      if constexpr (Levels) return largest(column, levels.from(y)) - twice_log2_of_slope(e, s);
     };
     if constexpr (Levels) {
 #pragma GCC unroll row_pairs_at_once
-      for (int y = 0; y < span_side; y += 2) {
-        const v upper = row(y), lower = row(y + 1);
+      for (int y = 0; y < span_side; y += 2 * rows_at_once) {
+        const v upper = row(y), lower = row(y + rows_at_once);
         put_details(out.level + place_of(y, part), upper, lower, most);
       }
     } else {  // with no more numbers to wait for, more rows at once only leave too few registers
 #pragma GCC unroll 4
-      for (int y = 0; y < span_side; ++y) row(y);
+      for (int y = 0; y < span_side; y += rows_at_once) row(y);
     }
   }
 }
@@ -109,7 +116,7 @@ static_assert(q.offset_bits - 1 - max_extent_log2 - q.coordinate_bits + q.recipr
   const int shift = c.exponent - q.coordinate_bits + q.reciprocal_bits;
   for (int part = 0; part < parts; ++part) {
     form nu(c.c_u, c.a_u, c.b_u, part), nv(c.c_v, c.a_v, c.b_v, part), nw(1 << q.reciprocal_bits, c.g, c.h, part);
-    for (int y = 0; y < span_side; ++y) {
+    for (int y = 0; y < span_side; y += rows_at_once) {
       const v r = reciprocals_of(nw.at);
       const int at = place_of(y, part);
       put(out.u + at, divided(nu.at, r, shift));
@@ -130,8 +137,8 @@ static_assert(q.offset_bits - 1 - max_extent_log2 - q.coordinate_bits + q.recipr
     form nw(1 << q.reciprocal_bits, c.g, c.h, part);
     const v column = levels16(c.level_column + width * part);
 #pragma GCC unroll 8
-    for (int y = 0; y < span_side; ++y, nw.next())
-      put(out.level + place_of(y, part), detail_of(largest(column, set(levels.row[y])) - (log2_of_w(nw.at) << 1), most));
+    for (int y = 0; y < span_side; y += rows_at_once, nw.next())
+      put(out.level + place_of(y, part), detail_of(largest(column, levels.from(y)) - (log2_of_w(nw.at) << 1), most));
   }
 }
 

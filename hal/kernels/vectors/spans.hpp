@@ -52,6 +52,14 @@ SPANTEX_INLINE on_level<int32_t> level_at_once(const row_levels& map, int level,
 
 [[gnu::noinline]] on_level<v> level_by_lane(const row_levels& map, const int32_t* level, const span_positions& p) {
   on_level<v> l;
+#if SPANTEX_AVX512
+  const v of = get(level), half = set(1 << (q.coordinate_bits - 1)) << of;
+  l.cut = of + cut_of(0);
+  l.add_u = (half >> q.subtexel_bits) - half;
+  l.add_v = l.add_u + p.base_v;
+  l.add_u += p.base_u;
+  for (int k = 0; k < row_levels::field_count; ++k) l.field[k] = look_up(map.values(row_levels::field(k)), of);
+#else
   alignas(sizeof(v)) int32_t lane[2 + row_levels::field_count][width];
   for (int n = 0; n < width; ++n) {
     lane[0][n] = add_of(level[n]);
@@ -62,6 +70,7 @@ SPANTEX_INLINE on_level<int32_t> level_at_once(const row_levels& map, int level,
   l.add_v = get(lane[0]) + p.base_v;
   l.cut = get(lane[1]);
   for (int k = 0; k < row_levels::field_count; ++k) l.field[k] = get(lane[2 + k]);
+#endif
   l.down = l.field[row_levels::step] >> 16;
   if (p.far) l.doublings = map.far_doublings();
   return l;
@@ -180,19 +189,31 @@ SPANTEX_INLINE void write(rgba8* to, uint32_t mask, v pixels) {
     if (mask >> k & 1) __builtin_memcpy(to + k, one + k, sizeof(rgba8));
 }
 
+// The same of the rows that the lanes are.
+SPANTEX_INLINE void write_rows(rgba8* to, int64_t stride, uint32_t mask, v pixels) {
+#if SPANTEX_AVX512
+  _mm256_mask_storeu_epi32(to, __mmask8(mask), _mm512_castsi512_si256(raw(pixels)));
+  _mm256_mask_storeu_epi32(to + stride, __mmask8(mask >> span_side), _mm512_extracti64x4_epi64(raw(pixels), 1));
+#else
+  static_cast<void>(stride);
+  write(to, mask, pixels);
+#endif
+}
+
 // pixels_at(k) delivers the `width` pixels that lie in memory from the k-th on.
 SPANTEX_INLINE void write_span(const row_work& work, int32_t sx, span_mask mask, auto&& pixels_at) {
   rgba8* row = work.pixels + int64_t(work.sy) * span_side * work.stride + sx * span_side;
   if (mask == ~span_mask(0)) [[likely]] {
 #pragma GCC unroll 2
-    for (int y = 0; y < span_side; ++y, row += work.stride)
-      for (int part = 0; part < parts; ++part) put(row + width * part, pixels_at(place_of(y, part)));
+    for (int y = 0; y < span_side; y += rows_at_once, row += rows_at_once * work.stride)
+      for (int part = 0; part < parts; ++part) write_rows(row + width * part, work.stride, ~0u, pixels_at(place_of(y, part)));
     return;
   }
-  for (int y = 0; y < span_side; ++y, row += work.stride) {
-    const uint32_t of_row = uint32_t(mask >> (y * span_side)) & 0xFF;
-    if (of_row == 0) continue;
-    for (int part = 0; part < parts; ++part) write(row + width * part, of_row >> (width * part), pixels_at(place_of(y, part)));
+  constexpr uint32_t whole = (1u << (rows_at_once * span_side)) - 1;
+  for (int y = 0; y < span_side; y += rows_at_once, row += rows_at_once * work.stride) {
+    const uint32_t of_rows = uint32_t(mask >> (y * span_side)) & whole;
+    if (of_rows == 0) continue;
+    for (int part = 0; part < parts; ++part) write_rows(row + width * part, work.stride, of_rows >> (width * part), pixels_at(place_of(y, part)));
   }
 }
 

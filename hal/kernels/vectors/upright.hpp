@@ -24,9 +24,6 @@ SPANTEX_INLINE void write_row(const row_work& work, int j, auto&& pixels_at) {
   }
 }
 
-// What becomes of a level's colours.
-enum class rounded { at_once, after_level, between_levels };
-
 // The other level's are not looked at unless between levels.
 template <rounded How>
 SPANTEX_INLINE v rounded_pixels(const blends& fine, const blends& coarse, v fraction) {
