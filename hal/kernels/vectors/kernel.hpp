@@ -57,7 +57,7 @@ void draw_row(const row_work& work) {
 
 template <filter Kind>
 void draw_row(const row_work& work) {
-  if constexpr (!uses_footprint(Kind) && rows_at_once == 1)
+  if constexpr (!uses_footprint(Kind) && rows_at_once == 1)  // AVX-512 has its own
     if (work.upright != nullptr) return draw_upright<Kind>(work);
   if (work.texels->levels_in_rows().masks_only()) draw_row<Kind, true>(work);
   else draw_row<Kind, false>(work);
