@@ -31,6 +31,7 @@ namespace {
 constexpr int width = 8;
 #include "vectors/lanes.hpp"
 #include "vectors/x86.hpp"
+#include "vectors/series_x86.hpp"
 #include "vectors/reciprocal.hpp"
 #include "vectors/even_odd.hpp"
 #include "vectors/log2.hpp"

@@ -40,6 +40,7 @@ namespace by_rows {
 constexpr int width = 16;
 #include "vectors/lanes.hpp"
 #include "vectors/avx512.hpp"
+#include "vectors/series_x86.hpp"
 #include "vectors/reciprocal.hpp"
 #include "vectors/even_odd.hpp"
 #include "vectors/log2.hpp"

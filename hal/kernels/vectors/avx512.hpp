@@ -20,15 +20,6 @@ SPANTEX_INLINE bool all_equal(v a, int32_t b) { return _mm512_cmpneq_epi32_mask(
 SPANTEX_INLINE int32_t least_lane(v x) { return _mm512_reduce_min_epi32(raw(x)); }
 SPANTEX_INLINE int32_t largest_lane(v x) { return _mm512_reduce_max_epi32(raw(x)); }
 
-// The numbers of the series (coordinates.hpp: series_number): in the upper half of each lane, lower half zero.
-SPANTEX_INLINE v upper(v x) { return x & number<int32_t(0xFFFF0000)>(); }
-SPANTEX_INLINE v slope_lanes(v twice_e, int slope_log2) { return upper(up_by(twice_e, -1 - slope_log2)); }
-SPANTEX_INLINE v slope_product(v a, v b, int slope_log2) { return upper(down_by(products(a, b), -2 - slope_log2)); }
-SPANTEX_INLINE v half_slope_square(v a, int slope_log2) { return upper(down_by(products(a, a), -1 - slope_log2)); }
-SPANTEX_INLINE v product_with_slope(v x, v slope, int slope_log2) { return down_by(products(x, slope), -2 - slope_log2); }
-SPANTEX_INLINE v level_of_slope(v slope, int slope_log2) { return down_by(products(slope, number<int32_t(level_factor.raw()) << 16>()), 11 - slope_log2); }
-SPANTEX_INLINE v small_products(v a, v b) { return products(a, b); }  // of numbers from 0 to 2^15 - 1
-
 // 64-bit lanes; a product's shift is 1 or more and rounds halves up.
 SPANTEX_INLINE v_s64 size_of(v_s64 x) { return v_s64(_mm512_abs_epi64(raw(x))); }
 SPANTEX_INLINE v_64 rounded_shift(v_64 x, v_64 shift) { return (x + ((v_64{} + 1) << (shift - 1))) >> shift; }
