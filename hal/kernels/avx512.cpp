@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // AVX-512 with VBMI: eight spans of a row are planned at once, one 64-bit lane each; then each span's 64 pixels are computed, sixteen 32-bit
-// lanes at a time. Local memory is registers: a channel of 16x16 texels is four of them, of 24x24 nine, and a byte permute of two registers is 64 fetches.
+// lanes at a time. Local memory is registers: a channel of 16x16 texels is four of them, wherever it begins, and a byte permute of two registers is 64 fetches.
 //
 // Every number equals the scalar datapath's (docs/SPEC.md). Rounding shifts are folded: floor(floor(x / 2^a) + k) / 2^b) = floor((x + k 2^a) / 2^(a + b)),
 // so a position is rounded to coordinate_bits and then snapped in one addition and one shift; addresses in local memory are taken modulo its
@@ -57,6 +57,7 @@ constexpr int width = 16;
 namespace by_blocks {
 
 #include "avx512/lanes.hpp"
+#include "avx512/quads.hpp"
 #include "avx512/log2.hpp"
 #include "avx512/batch.hpp"
 #include "avx512/columns.hpp"
@@ -209,7 +210,7 @@ SPANTEX_INLINE void draw_batch_on_levels(const row_work& work, const batch& b, u
       alone |= 1u << k;
       return;
     }
-    levels_of(work, of[k].lengths, b.slope_log2[k], b.series_drop[k], o.e, w, of[k].level);
+    levels_of(work, of[k].lengths, b.slope_log2[k], b.series_drop[k], o.e, w, b.how, of[k].level);
     if (some_unlike) scaled |= uint32_t(on_unlike_levels<two>(*work.texels, of[k].level)) << k;
     const common_level common = common_level_of<two>(of[k].level);
     whole[k] = common.whole;

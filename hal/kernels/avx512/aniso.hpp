@@ -139,10 +139,10 @@ struct row_blender : blending<true> {
     for (int k = 0; k < s.most; ++k) {
       const texels16 at = s.sample(n, k);
       v16 fine[Channels], coarse[Channels];
-      blended_fine<Fine>(blocks, s, n, samples16(from, snapped_on<Scaled, 0>(s, from, at.u, at.v, n)), rounding, fine, rounding);
+      blended16(section_after<0, Fine>(blocks, s, n), samples16(from, snapped_on<Scaled, 0>(s, from, at.u, at.v, n)), rounding, fine, rounding);
       if constexpr (Levels == taken::all) {
         asm volatile("" ::: "memory");  // as in quad_blender
-        blended16<held_in::narrow>(section_of<held_in::narrow>(blocks, s.coarse, n), samples16(from, snapped_on<Scaled, 1>(s, from, at.u, at.v, n)), rounding, coarse, rounding);
+        blended16(section_after<1, row_span::after<Fine>>(blocks, s, n), samples16(from, snapped_on<Scaled, 1>(s, from, at.u, at.v, n)), rounding, coarse, rounding);
       }
       const v16 counted = _mm512_maskz_mov_epi32(_mm512_cmpgt_epi32_mask(s.samples[n], set32(k)), weights);
 #pragma GCC unroll 4
@@ -188,7 +188,7 @@ SPANTEX_INLINE bool draw_rows(const row_work& work, const batch& b, int k, const
   if (beyond != 0) return false;
   s.bits = 16;
   s.half = 0;
-  const v16 aside = _mm512_mask_mov_epi32(of_each_quad<larger>(far_u), 0xF0F0, of_each_quad<larger>(far_v)), middle = reach_of(s.u, s.v, 16, 0, 0);
+  const v16 aside = _mm512_mask_mov_epi32(of_each_quad<larger>(far_u), 0xF0F0, of_each_quad<larger>(far_v)), middle = reach_of(s.u, s.v, 16, 0, 0, b.how);
   const v16 reach = _mm512_mask_add_epi32(_mm512_sub_epi32(middle, aside), 0xFF00, middle, aside);
   static_assert(16 + last_of_several_texels <= 27, "no position is shortened");
   place<true, Scaled>(*work.texels, work.last_level, 0, 0, reach, s, Scaled ? turns_of(*work.texels, b, k) : v16{});
@@ -196,9 +196,9 @@ SPANTEX_INLINE bool draw_rows(const row_work& work, const batch& b, int k, const
     if (_mm512_cmpneq_epi32_mask(whole_of<true>(s.level[n]), set32(s.first_level[n])) != 0) s.fit &= ~(1u << n);
   const auto by_width = [&]<taken Levels>() SPANTEX_INLINED {
     switch (s.fine_in) {
+      case held_in::shallow: return blend_rows<Levels, Channels, held_in::shallow, Scaled>(work, b, k, s);
       case held_in::narrow: return blend_rows<Levels, Channels, held_in::narrow, Scaled>(work, b, k, s);
-      case held_in::wide: return blend_rows<Levels, Channels, held_in::wide, Scaled>(work, b, k, s);
-      default: return blend_rows<Levels, Channels, held_in::large, Scaled>(work, b, k, s);
+      default: return blend_rows<Levels, Channels, held_in::full, Scaled>(work, b, k, s);
     }
   };
   return s.one_level ? by_width.template operator()<taken::one>() : by_width.template operator()<taken::all>();

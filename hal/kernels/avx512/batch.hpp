@@ -2,30 +2,55 @@
 // AVX-512 kernel: eight spans side by side. Included by ../avx512.cpp alone.
 #pragma once
 
-// c + x hx + y hy of a span's pixels, eight spans: what the columns of the left quads have, and what the rows of the upper ones add; from quad to quad.
+// c + x hx + y hy of a span's pixels, eight spans: what is added up to the lanes of the first quad, and what leads from quad to quad (quad_cut).
 struct alignas(64) batch_forms {
   int32_t across[batch_size][quad_side], down[batch_size][quad_side];
   int32_t right[batch_size], below[batch_size];
 };
 
-SPANTEX_INLINE void keep(batch_forms& f, __m256i c, __m256i x, __m256i y) {
-  const v16 steps = _mm512_setr_epi32(-7, -5, -3, -1, -7, -5, -3, -1, -7, -5, -3, -1, -7, -5, -3, -1);
+// Only filters with levels take other quads than square ones.
+template <filter Kind>
+SPANTEX_INLINE void keep(batch_forms& f, __m256i c, __m256i x, __m256i y, cut how) {
+  const auto of_four = [&](auto&& lanes_of) SPANTEX_INLINED {
 #pragma GCC unroll 2
-  for (int k = 0; k < batch_size; k += batch_size / 2) {
-    const v16 lanes = _mm512_add_epi32(_mm512_setr_epi32(0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3), set32(k));
-    const auto spread = [&](__m256i of) { return _mm512_permutexvar_epi32(lanes, _mm512_castsi256_si512(of)); };
-    _mm512_store_si512(f.across[k], _mm512_add_epi32(spread(c), _mm512_mullo_epi32(spread(x), steps)));
-    _mm512_store_si512(f.down[k], _mm512_mullo_epi32(spread(y), steps));
+    for (int k = 0; k < batch_size; k += batch_size / 2) {
+      const v16 lanes = _mm512_add_epi32(_mm512_setr_epi32(0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3), set32(k));
+      const auto spread = [&](__m256i of) SPANTEX_INLINED { return _mm512_permutexvar_epi32(lanes, _mm512_castsi256_si512(of)); };
+      lanes_of(k, spread(c), spread(x), spread(y));
+    }
+  };
+  if (!uses_levels(Kind) || how == cut::square) [[likely]] {
+    const v16 steps = _mm512_setr_epi32(-7, -5, -3, -1, -7, -5, -3, -1, -7, -5, -3, -1, -7, -5, -3, -1);
+    of_four([&](int k, v16 of_c, v16 of_x, v16 of_y) SPANTEX_INLINED {
+      _mm512_store_si512(f.across[k], _mm512_add_epi32(of_c, _mm512_mullo_epi32(of_x, steps)));
+      _mm512_store_si512(f.down[k], _mm512_mullo_epi32(of_y, steps));
+    });
+    put(f.right, _mm256_slli_epi32(x, 3));
+    put(f.below, _mm256_slli_epi32(y, 3));
+    return;
   }
-  put(f.right, _mm256_slli_epi32(x, 3));
-  put(f.below, _mm256_slli_epi32(y, 3));
+  const quad_cut& quad = cut_of(how);
+  of_four([&](int k, v16 of_c, v16 of_x, v16 of_y) SPANTEX_INLINED {
+    const auto along = [&](const quad_steps& s) SPANTEX_INLINED {
+      const auto steps = [](const int32_t (&of)[quad_side]) SPANTEX_INLINED { return _mm512_broadcast_i32x4(_mm_loadu_si128(reinterpret_cast<const __m128i*>(of))); };
+      return _mm512_add_epi32(_mm512_mullo_epi32(of_x, steps(s.x)), _mm512_mullo_epi32(of_y, steps(s.y)));
+    };
+    _mm512_store_si512(f.across[k], _mm512_add_epi32(of_c, along(quad.across)));
+    _mm512_store_si512(f.down[k], along(quad.down));
+  });
+  const auto between = [&](int32_t along_x, int32_t along_y) SPANTEX_INLINED {
+    return _mm256_add_epi32(_mm256_mullo_epi32(x, _mm256_set1_epi32(along_x)), _mm256_mullo_epi32(y, _mm256_set1_epi32(along_y)));
+  };
+  put(f.right, between(quad.right_x, quad.right_y));
+  put(f.below, between(quad.below_x, quad.below_y));
 }
 
 // Sections of local memory of the quads of eight spans, on a level each (quad_section).
 struct alignas(64) batch_sections {
-  int32_t at[2][2][quads][batch_size];                // near and far column of blocks, upper and lower one: from planar_map::blocks()
-  int32_t row[quads][batch_size] = {};                // shallow: the first row
-  alignas(64) uint64_t merged[quads][batch_size];     // narrow: columns from far
+  int32_t at[3][2][quads][batch_size];                // columns of blocks, from each the first eight rows and the next eight: from planar_map::blocks()
+  int32_t row[quads][batch_size];                     // the first
+  int32_t column[quads][batch_size];                  // the first, of broad ones
+  alignas(64) uint64_t merged[quads][batch_size];     // columns of a block that are from the next one
 };
 
 // What a batch of spans needs below the planner: span_coefficients of eight spans, side by side.
@@ -45,14 +70,15 @@ struct alignas(64) batch {
   int32_t column_bits[batch_size], row_bits[batch_size];                          // nearest: fraction of u; of v, so that a row is 8 texels
   alignas(64) int32_t from[quads][2][batch_size];                                 // nearest: from it to the base texel, u and v, as offsets, and what rounds
   alignas(64) int64_t u_x[batch_size], v_x[batch_size], u_y[batch_size], v_y[batch_size], twist_u[batch_size], twist_v[batch_size];  // level.hpp: span_levels()
-  alignas(64) int32_t step_x[2 * batch_size], step_y[2 * batch_size], spread[2 * batch_size];  // quad_bounds of filters with levels: u, then v
+  alignas(64) int32_t right[2 * batch_size], below[2 * batch_size], spread[2 * batch_size];  // quad_bounds of filters with levels: u, then v
   int32_t axis_exponent[batch_size], area_log2[batch_size];  // the area's in 2^-16
   int32_t g[batch_size], h[batch_size], axis[6][batch_size];  // aniso: axis_terms::c_u to b_v
+  cut how;                                               // its quads
   int32_t sx, first;                                     // the first span: on the screen, and of the row's work
   uint32_t usable;                                       // bit k: span k is in here
   uint32_t level;                                        // aniso; bit k: w is constant
   uint32_t magnified;                                    // bit k: every pixel's level of detail is 0
-  uint32_t placed, shallow, wide;                        // bit k: its sections are known; how they lie (section_kinds)
+  uint32_t placed, deep, broad;                         // bit k: its sections are known; how they lie (section_kinds)
 };
 constexpr int divide_terms = 5;
 

@@ -3,7 +3,7 @@
 #pragma once
 
 struct level_span {
-  static constexpr held_in after = held_in::narrow;  // texels of the levels after the fine one
+  template <held_in Fine> static constexpr held_in after = Fine == held_in::shallow ? held_in::shallow : held_in::narrow;  // texels of the levels after the fine one
   template <int After> static constexpr int more_bits = 0;  // of fraction, of snapped positions on a level
   v16 lengths;                        // lengths16()
   v16 u[quads], v[quads];             // offsets
@@ -17,7 +17,6 @@ struct level_span {
   uint32_t fit;                       // bit n: quad n's sections are here
   bool crossing;                      // some quad's pixels lie on two whole levels: they take from three
   held_in fine_in;
-  large_sections large;               // of the fine level
   bool one_level;                     // no pixel takes anything from its coarse level
 };
 
@@ -37,7 +36,7 @@ struct alike_span {
   const batch_places& at;
   int k;
   static constexpr uint32_t fit = 0xF;
-  static constexpr held_in after = held_in::shallow;
+  template <held_in> static constexpr held_in after = held_in::shallow;
   template <int After> static constexpr int more_bits = After + 1;
 };
 
@@ -109,30 +108,27 @@ SPANTEX_INLINE void place(const planar_map& map, int32_t last_level, int32_t bas
     shorten(last_level, s.u, s.v, s.bits, s.half);
     s.at.take_two(s.bits, s.half, base_u, base_v, _mm256_set_m128i(_mm512_castsi512_si128(coarse_level), _mm512_castsi512_si128(fine_level)));
   }
-  const auto ends_on = [&](v16 level, int after) SPANTEX_INLINED { return Scaled ? scale_ends(map, reach, level, turns, s.scaled[after]) : end_texels(reach, level); };
-  const section_ends fine_ends(map, ends_on(fine_level, 0), fine_level);
-  find_sections<false>(fine_ends, s.fine);
-  s.fine_in = held_in::narrow;  // all four quads, or else what holds the most of them
-  if (s.fine.fit != 0xF) {
-    find_sections<true>(fine_ends, s.fine);
-    s.fine_in = held_in::wide;
-  }
+  const auto find = [&]<bool Broad>(v16 level, int after, span_sections& out) SPANTEX_INLINED {
+    find_sections<Broad>(map, Scaled ? scale_ends(map, reach, level, turns, s.scaled[after]) : end_texels(reach, level), level, out);
+    Scaled ? s.scaled[after].begin_at(out.row) : s.at.begin_at(out.row, after);
+  };
+  find.template operator()<true>(fine_level, 0, s.fine);
   s.fit = s.fine.fit;
-  if (s.fit != 0xF) {
-    find_large_sections(fine_ends, s.large);
-    s.fine_in = held_in::large;
-    s.fit = s.large.fit;
-  }
+  bool deep = s.fine.deep;
   s.one_level = TwoLevels && !s.crossing && _mm512_test_epi32_mask(_mm512_or_si512(_mm512_or_si512(s.level[0], s.level[1]), _mm512_or_si512(s.level[2], s.level[3])), of32<255>()) == 0;
-  if (s.one_level || (!TwoLevels && !s.crossing)) return;
-  find_sections<false>(section_ends(map, ends_on(coarse_level, 1), coarse_level), s.coarse);
-  s.fit &= s.coarse.fit;
+  if (!s.one_level && (TwoLevels || s.crossing)) {
+    find.template operator()<false>(coarse_level, 1, s.coarse);
+    s.fit &= s.coarse.fit;
+    deep |= s.coarse.deep;
+  }
+  s.fine_in = s.fine.broad ? held_in::full : deep ? held_in::narrow : held_in::shallow;
   if (!s.crossing) [[likely]] return;
   if constexpr (TwoLevels) {
     const v16 next_level = further(coarse_level);
     if constexpr (!Scaled) s.at.take_next(s.bits, s.half, base_u, base_v, _mm512_castsi512_si128(next_level));
-    find_sections<false>(section_ends(map, ends_on(next_level, 2), next_level), s.next);
+    find.template operator()<false>(next_level, 2, s.next);
     s.fit &= s.next.fit;
+    if (s.next.deep && s.fine_in == held_in::shallow) s.fine_in = held_in::narrow;
   }
   for (int n = 0; n < quads; ++n)
     if (_mm512_cmpgt_epi32_mask(whole[n], set32(s.first_level[n] + 1)) != 0) s.fit &= ~(1u << n);
@@ -140,7 +136,7 @@ SPANTEX_INLINE void place(const planar_map& map, int32_t last_level, int32_t bas
 
 template <bool TwoLevels>
 SPANTEX_INLINE void place_span(const row_work& work, const batch& b, int k, level_span& s) {
-  place<TwoLevels>(*work.texels, work.last_level, b.base_u[k], b.base_v[k], reach_of(s.u, s.v, s.bits, b.base_u[k], b.base_v[k]), s);
+  place<TwoLevels>(*work.texels, work.last_level, b.base_u[k], b.base_v[k], reach_of(s.u, s.v, s.bits, b.base_u[k], b.base_v[k], b.how), s);
 }
 
 // The whole periods before a span's base, in the lanes of either axis.
@@ -158,7 +154,7 @@ SPANTEX_INLINE void place_scaled_span(const row_work& work, const batch& b, int 
     s.u[n] = p.u;
     s.v[n] = p.v;
   }
-  place<TwoLevels, true>(*work.texels, work.last_level, 0, 0, reach_of(s.u, s.v, 16, 0, 0), s, turns_of(*work.texels, b, k));
+  place<TwoLevels, true>(*work.texels, work.last_level, 0, 0, reach_of(s.u, s.v, 16, 0, 0, b.how), s, turns_of(*work.texels, b, k));
 }
 
 // What a span's quads take: one level, no pixel any other; or as many as the filter takes; or one more, as some quad's pixels lie on two whole levels.
@@ -197,21 +193,11 @@ SPANTEX_INLINE v16 snapped_after(const alike_span& s, const C&, v16, v16, v16 fi
   return _mm512_add_epi16(fine, set32(s.at.to_coarse[n][s.k]));
 }
 
-// Their sections, held in what the span says.
-template <int After>
-SPANTEX_INLINE auto section_after(const uint8_t* blocks, const level_span& s, int n) { return section_of<held_in::narrow>(blocks, After == 1 ? s.coarse : s.next, n); }
-template <int After>
-SPANTEX_INLINE auto section_after(const uint8_t* blocks, const alike_span& s, int n) { return section_of<held_in::shallow>(blocks, s.at.coarse, s.k, n); }
-
-template <held_in Fine, int Channels>
-SPANTEX_INLINE void blended_fine(const uint8_t* blocks, const level_span& s, int n, const samples& at, v16 rounding, v16 (&out)[Channels], v16 of_last) {
-  if constexpr (Fine == held_in::large) blended16(s.large.of(blocks, n), at, rounding, out, of_last);
-  else blended16<Fine>(section_of<Fine>(blocks, s.fine, n), at, rounding, out, of_last);
-}
-template <held_in Fine, int Channels>
-SPANTEX_INLINE void blended_fine(const uint8_t* blocks, const alike_span& s, int n, const samples& at, v16 rounding, v16 (&out)[Channels], v16 of_last) {
-  blended16<Fine>(section_of<Fine>(blocks, s.at.fine, s.k, n), at, rounding, out, of_last);
-}
+// Their sections.
+template <int After, held_in Where>
+SPANTEX_INLINE auto section_after(const uint8_t* blocks, const level_span& s, int n) { return section_of<Where>(blocks, After == 0 ? s.fine : After == 1 ? s.coarse : s.next, n); }
+template <int After, held_in Where>
+SPANTEX_INLINE auto section_after(const uint8_t* blocks, const alike_span& s, int n) { return section_of<Where>(blocks, After == 0 ? s.at.fine : s.at.coarse, s.k, n); }
 
 // How a span's quads are drawn. Whether the fine sections are as narrow as the coarse ones is much the same from one span to the next.
 template <bool TwoLevels, taken Levels, int Channels, held_in Fine, bool Scaled = false>
@@ -224,7 +210,7 @@ struct quad_blender : blending<TwoLevels> {
     const v16 u = s.u[n], v = s.v[n], level = s.level[n];
     const v16 at = snapped_on<Scaled, 0>(s, from, u, v, n);
     v16 fine[Channels];
-    blended_fine<Fine>(blocks, s, n, samples16<Span::template more_bits<0>>(from, at), rounding, fine, of_last);
+    blended16(section_after<0, Fine>(blocks, s, n), samples16<Span::template more_bits<0>>(from, at), rounding, fine, of_last);
     return finished(s, n, u, v, at, level, fine);
   }
 
@@ -258,19 +244,30 @@ struct quad_blender : blending<TwoLevels> {
   template <int After, class Span>
   SPANTEX_INLINE void blended_on(const Span& s, int n, v16 u, v16 v, v16 at, v16 (&out)[Channels]) const {
     asm volatile("" ::: "memory");
-    blended16<Span::after>(section_after<After>(blocks, s, n), samples16<Span::template more_bits<After>>(from, snapped_after<Scaled, After>(s, from, u, v, at, n)), rounding, out, of_last);
+    blended16(section_after<After, Span::template after<Fine>>(blocks, s, n), samples16<Span::template more_bits<After>>(from, snapped_after<Scaled, After>(s, from, u, v, at, n)), rounding, out, of_last);
   }
 };
 
 // All of a span. No function is called here: it would take the constants out of their registers.
 template <class Blender, class Span>
-SPANTEX_INLINE void write_quads(const uint8_t* blocks, const Span& s, rgba8* row, int64_t stride) {
+SPANTEX_INLINE void write_quads(const uint8_t* blocks, const Span& s, cut how, rgba8* row, int64_t stride) {
   Blender blended(blocks);
+  v16 columns[quads];  // tall ones
 #pragma GCC unroll 1
-  for (int n = 0; n < quads; n += 2, row += quad_side * stride) {
-    const v16 left = blended(s, n);
-    write_half(row, stride, left, blended(s, n + 1));
+  for (int n = 0; n < quads; n += 2) {
+    const v16 first = blended(s, n), second = blended(s, n + 1);
+    rgba8* const to = row + n * 2 * stride;
+    if (how == cut::square) {
+      write_half(to, stride, first, second);
+    } else if (how == cut::flat) {
+      write_rows(to, stride, first);
+      write_rows(to + 2 * stride, stride, second);
+    } else {
+      columns[n] = first;
+      columns[n + 1] = second;
+    }
   }
+  if (how == cut::tall) write_tall(row, stride, columns);
 }
 
 template <class Blender, class Span>
@@ -282,9 +279,9 @@ SPANTEX_INLINE void blend_quads(const uint8_t* blocks, const Span& s, uint32_t s
 }
 
 // Quads with pixels in a mask.
-SPANTEX_INLINE uint32_t quads_of(span_mask mask) {
+SPANTEX_INLINE uint32_t quads_of(span_mask mask, cut how) {
   uint32_t in = 0;
-  for (int n = 0; n < quads; ++n) in |= uint32_t((mask & pixels_of(n)) != 0) << n;
+  for (int n = 0; n < quads; ++n) in |= uint32_t((mask & cut_of(how).pixels[n]) != 0) << n;
   return in;
 }
 
@@ -294,14 +291,14 @@ SPANTEX_INLINE bool blend_span(const row_work& work, const batch& b, int k, cons
   const span_mask mask = work.masks[b.first + k];
   const uint8_t* const blocks = work.texels->blocks();
   if (mask == ~span_mask(0) && s.fit == 0xF) [[likely]] {
-    write_quads<Blender>(blocks, s, first_of_span(work, b.sx + k), work.stride);
+    write_quads<Blender>(blocks, s, b.how, first_of_span(work, b.sx + k), work.stride);
     return true;
   }
-  const uint32_t wanted = quads_of(mask);
+  const uint32_t wanted = quads_of(mask, b.how);
   if ((wanted & ~s.fit) != 0) return false;
   v16 out[quads];
   blend_quads<Blender>(blocks, s, wanted, out);
-  write(work, b.sx + k, mask, out);
+  write(work, b.sx + k, mask, out, b.how);
   return true;
 }
 
@@ -312,9 +309,9 @@ SPANTEX_INLINE bool blend_span(const row_work& work, const batch& b, int k, cons
   };
   const auto by_width = [&]<taken Levels>() SPANTEX_INLINED {
     switch (s.fine_in) {
+      case held_in::shallow: return blended.template operator()<Levels, held_in::shallow>();
       case held_in::narrow: return blended.template operator()<Levels, held_in::narrow>();
-      case held_in::wide: return blended.template operator()<Levels, held_in::wide>();
-      default: return blended.template operator()<Levels, held_in::large>();
+      default: return blended.template operator()<Levels, held_in::full>();
     }
   };
   if (s.crossing) [[unlikely]] return by_width.template operator()<taken::more>();
@@ -328,9 +325,9 @@ SPANTEX_INLINE void blend_alike(const row_work& work, const batch& b, int k, boo
     blend_span<quad_blender<TwoLevels, Levels, Channels, Fine>>(work, b, k, alike_span{s.u, s.v, s.level, p, k});
   };
   const auto by_width = [&]<taken Levels>() SPANTEX_INLINED {
-    if (p.shallow >> k & 1) blended.template operator()<Levels, held_in::shallow>();
-    else if (p.wide >> k & 1) blended.template operator()<Levels, held_in::wide>();
-    else blended.template operator()<Levels, held_in::narrow>();
+    const bool deep = p.deep >> k & 1, broad = p.broad >> k & 1;
+    if (deep) broad ? blended.template operator()<Levels, held_in::full>() : blended.template operator()<Levels, held_in::narrow>();
+    else broad ? blended.template operator()<Levels, held_in::broad>() : blended.template operator()<Levels, held_in::shallow>();
   };
   alone ? by_width.template operator()<taken::one>() : by_width.template operator()<taken::all>();
 }

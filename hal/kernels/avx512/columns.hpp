@@ -18,22 +18,27 @@ SPANTEX_INLINE columns8 columns_of(const setup& s, const batch& b) {
           _mm512_sub_epi64(product(au, s.h), product(bu, s.g)), _mm512_sub_epi64(product(av, s.h), product(bv, s.g))};
 }
 
-// Quads' bounds, for steepness (7 (|g| + |h|), most of |1 - w|) up to 1/4: a position is c + (u_x x + u_y y) / w. At a quad's centre (X, Y), 4 half pixels either way, what
-// dividing by w changes is below 4 (|u_x| + |u_y|) e / (1 - e), e = 4/7 steepness; from there on a position moves by ((u_x + twist Y) x + (u_y - twist X) y) / (w w'), x and y
-// up to 3: by no more than S / ((1 - e) (1 - steepness)), S = 3 (|u_x| + |u_y| + 8 |twist|). Both together are below S (1 + steepness (5/2 + 4 steepness)).
+// Quads' bounds, for steepness s = 7 (|g| + |h|), the most of |1 - w|, up to 1/4: a position is c + (u_x x + u_y y) / w. At a quad's centre (X, Y) half pixels away what
+// dividing by w changes is below (X |u_x| + Y |u_y|) e / (1 - e), e the most of |1 - w| there; from there on a position moves by ((u_x + twist Y) x + (u_y - twist X) y) / (w w'), by no
+// more than S / ((1 - e) (1 - s)), S = x (|u_x| + Y |twist|) + y (|u_y| + X |twist|) with x, y how far a quad's pixels lie from its centre. Square: X = Y = 4, e = 4/7 s, and both together are
+// below S (1 + s (5/2 + 4 s)). Flat: X = 0, Y = 6, e at most 6/7 s: they are below that and 7 s |u_y|; tall likewise.
 SPANTEX_INLINE void plan_bounds(const setup& s, const columns8& j, batch& b) {
+  const quad_cut& cut = cut_of(b.how);
   const auto part = [](v8 x, v8 of) { return _mm512_srai_epi64(_mm512_mul_epi32(x, of), q.reciprocal_bits); };
+  const auto times = [](v8 x, int32_t by) { return _mm512_mul_epi32(x, set(by)); };
   const v8 halves = _mm512_add_epi64(s.steepness, _mm512_srli_epi64(s.steepness, 2));  // 5/4
   const v8 more = _mm512_slli_epi64(_mm512_add_epi64(_mm512_srli_epi64(halves, 1), part(s.steepness, s.steepness)), 2);
   const auto spread = [&](v8 x, v8 y, v8 twist) {
-    const v8 steps = _mm512_add_epi64(_mm512_add_epi64(_mm512_abs_epi64(x), _mm512_abs_epi64(y)), _mm512_slli_epi64(_mm512_abs_epi64(twist), 3));
-    const v8 three = _mm512_add_epi64(steps, _mm512_slli_epi64(steps, 1));
-    return _mm512_add_epi64(three, part(three, more));
+    const v8 of_x = _mm512_abs_epi64(x), of_y = _mm512_abs_epi64(y), moves = _mm512_add_epi64(times(of_x, cut.half_x), times(of_y, cut.half_y));
+    const v8 all = _mm512_add_epi64(moves, times(_mm512_abs_epi64(twist), cut.half_x * cut.centre_y + cut.half_y * cut.centre_x));
+    const v8 at_centre = _mm512_add_epi64(times(of_x, cut.beyond_x), times(of_y, cut.beyond_y));
+    return _mm512_srai_epi64(_mm512_add_epi64(_mm512_add_epi64(all, part(all, more)), part(at_centre, s.steepness)), 2);
   };
   const v16 lower = _mm512_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
   const auto keep_both = [&](int32_t (&to)[2 * batch_size], v8 u, v8 v) { _mm512_store_si512(to, _mm512_permutex2var_epi32(u, lower, v)); };
-  keep_both(b.step_x, j.u_x, j.v_x);
-  keep_both(b.step_y, j.u_y, j.v_y);
+  const auto between = [&](v8 x, v8 y, int32_t by_x, int32_t by_y) { return _mm512_srai_epi64(_mm512_add_epi64(times(x, by_x), times(y, by_y)), 3); };
+  keep_both(b.right, between(j.u_x, j.u_y, cut.right_x, cut.right_y), between(j.v_x, j.v_y, cut.right_x, cut.right_y));
+  keep_both(b.below, between(j.u_x, j.u_y, cut.below_x, cut.below_y), between(j.v_x, j.v_y, cut.below_x, cut.below_y));
   keep_both(b.spread, spread(j.u_x, j.u_y, j.twist_u), spread(j.v_x, j.v_y, j.twist_v));
 }
 
@@ -98,8 +103,8 @@ SPANTEX_INLINE void plan_axes(const setup& s, batch& b) {
   const auto mantissa = [&](v8 x) { return _mm512_max_epi64(_mm512_min_epi64(symmetric8(x, drop), most), least); };
   const __m256i axis[] = {narrowed(mantissa(c_u)), narrowed(mantissa(a_u)), narrowed(mantissa(b_u)), narrowed(mantissa(c_v)), narrowed(mantissa(a_v)), narrowed(mantissa(b_v))};
   for (int n = 0; n < 6; ++n) put(b.axis[n], axis[n]);
-  keep(b.axis_u, axis[0], axis[1], axis[2]);
-  keep(b.axis_v, axis[3], axis[4], axis[5]);
+  keep<filter::aniso>(b.axis_u, axis[0], axis[1], axis[2], b.how);
+  keep<filter::aniso>(b.axis_v, axis[3], axis[4], axis[5], b.how);
   keep(b.g, s.g);
   keep(b.h, s.h);
   b.level = _mm512_testn_epi64_mask(_mm512_or_si512(s.g, s.h), _mm512_or_si512(s.g, s.h));

@@ -10,7 +10,6 @@ template <int Channels> constexpr bool with_alpha(int channel) { return Channels
 struct samples {
   v16 index;           // row of 16 (or of 32), column of 8: what a byte permute of two registers takes
   v16 column;
-  __mmask64 right;     // in the second column of blocks
   v16 u, v;            // weights: 128 - f, f of 128 in bytes; the same of 2^(7 + Up) in words
 };
 
@@ -55,7 +54,6 @@ SPANTEX_INLINE samples samples16(const sampling<Up>& c, v16 at) {
   const v16 y = _mm512_add_epi8(_mm512_multishift_epi64_epi8(fields_of::y(), at), c.next_y);  // times 8, three bits of fraction below
   s.index = _mm512_ternarylogic_epi32(y, x, c.x_bits, 0xD8);
   s.column = x;
-  s.right = _mm512_test_epi8_mask(x, set32(0x08080808));
   const v16 fu4 = _mm512_and_si512(_mm512_multishift_epi64_epi8(fields_of::u(), at), c.u_bits);
   s.u = _mm512_mask_sub_epi8(fu4, c.even, c.all_u, fu4);
   const v16 fv = _mm512_and_si512(_mm512_multishift_epi64_epi8(fields_of::v(), at), c.v_bits);
@@ -63,70 +61,43 @@ SPANTEX_INLINE samples samples16(const sampling<Up>& c, v16 at) {
   return s;
 }
 
-// One channel's texels, four a pixel.
+// One channel's texels, four a pixel. second: those that lie eight columns and more from the first one.
 template <held_in Where>
-SPANTEX_INLINE v16 fetch16(const quad_section& from, int channel, const samples& s) {
-  const int plane = channel * channel_bytes;
-  const auto block = [&](const uint8_t* at) { return _mm512_load_si512(at + plane); };
-  if constexpr (Where == held_in::wide) {
-    const v16 left = _mm512_permutex2var_epi8(block(from.near[0]), s.index, block(from.near[1]));
-    return _mm512_mask_mov_epi8(left, s.right, _mm512_permutex2var_epi8(block(from.far[0]), s.index, block(from.far[1])));
-  } else {
-    const v16 top = _mm512_mask_loadu_epi8(block(from.near[0]), from.merged, from.far[0] + plane);
-    const v16 bottom = _mm512_mask_loadu_epi8(block(from.near[1]), from.merged, from.far[1] + plane);
-    return _mm512_permutex2var_epi8(top, s.index, bottom);
-  }
-}
-template <held_in>
-SPANTEX_INLINE v16 fetch16(const shallow_section& from, int channel, const samples& s) {
-  const int plane = channel * channel_bytes;
-  return _mm512_permutexvar_epi8(s.index, _mm512_mask_loadu_epi8(_mm512_loadu_si512(from.near + plane), from.merged, from.far + plane));
-}
-
-template <held_in Where, int Channels, class Section>
-SPANTEX_INLINE void blended16(const Section& at, const samples& s, v16 rounding, v16 (&out)[Channels], v16 of_last) {
-#pragma GCC unroll 4
-  for (int m = 0; m < Channels; ++m) out[m] = _mm512_dpwssd_epi32(with_alpha<Channels>(m) ? of_last : rounding, _mm512_maddubs_epi16(s.u, fetch16<Where>(at, m, s)), s.v);
-}
-
-// The same of 24x24 texels. The third column and row of blocks are where positions from the first ones have bit 4.
-struct sample_thirds {
-  __mmask64 column, row;
-  SPANTEX_INLINE sample_thirds(const large_section& at, const samples& s)
-      : column(_mm512_test_epi8_mask(_mm512_sub_epi8(s.column, _mm512_set1_epi8(int8_t(at.column * block_side))), set32(0x10101010))),
-        row(_mm512_movepi8_mask(_mm512_sub_epi8(s.index, _mm512_set1_epi8(int8_t(at.row * block_side << 3))))) {}
-};
-SPANTEX_INLINE v16 fetch16(const large_section& from, int channel, const samples& s, const sample_thirds& third) {
-  const auto column = [&](int c) SPANTEX_INLINED {
-    const auto block = [&](int r) SPANTEX_INLINED { return _mm512_load_si512(from.blocks + from.at[c][r] + channel * channel_bytes); };
-    return _mm512_mask_permutexvar_epi8(_mm512_permutex2var_epi8(block(0), s.index, block(1)), third.row, s.index, block(2));
+SPANTEX_INLINE v16 fetch16(const quad_section<Where>& from, int channel, const samples& s, __mmask64 second) {
+  const auto half = [&](int c) SPANTEX_INLINED {
+    const auto rows = [&](int r) SPANTEX_INLINED {
+      const auto block = [&](int at) SPANTEX_INLINED { return from.at[at][r] + channel * channel_bytes; };
+      return _mm512_mask_loadu_epi8(_mm512_loadu_si512(block(c)), from.merged, block(c + 1));
+    };
+    if constexpr (quad_section<Where>::eights == 1) return _mm512_permutexvar_epi8(s.index, rows(0));
+    else return _mm512_permutex2var_epi8(rows(0), s.index, rows(1));
   };
-  return _mm512_mask_mov_epi8(_mm512_mask_mov_epi8(column(0), s.right, column(1)), third.column, column(2));
+  if constexpr (is_broad(Where)) return _mm512_mask_mov_epi8(half(0), second, half(1));
+  else return half(0);
 }
-template <int Channels>
-SPANTEX_INLINE void blended16(const large_section& at, const samples& s, v16 rounding, v16 (&out)[Channels], v16 of_last) {
-  const sample_thirds third(at, s);
+
+template <held_in Where, int Channels>
+SPANTEX_INLINE void blended16(const quad_section<Where>& at, const samples& s, v16 rounding, v16 (&out)[Channels], v16 of_last) {
+  __mmask64 second = 0;
+  if constexpr (is_broad(Where)) second = _mm512_test_epi8_mask(_mm512_sub_epi8(s.column, _mm512_set1_epi8(int8_t(at.column))), of32<0x08080808>());
 #pragma GCC unroll 4
-  for (int m = 0; m < Channels; ++m) out[m] = _mm512_dpwssd_epi32(with_alpha<Channels>(m) ? of_last : rounding, _mm512_maddubs_epi16(s.u, fetch16(at, m, s, third)), s.v);
+  for (int m = 0; m < Channels; ++m) out[m] = _mm512_dpwssd_epi32(with_alpha<Channels>(m) ? of_last : rounding, _mm512_maddubs_epi16(s.u, fetch16(at, m, s, second)), s.v);
 }
 
 constexpr int32_t before_even = 0x7FFF;
 constexpr int up_of_one = 2, up_between = 1;  // what makes 16 bits of fraction, and 15: bytes 1 and 2 are then the level's 8.7
 
-// Bytes of two registers' lanes, side by side: a pair of bytes of each.
-SPANTEX_INLINE v16 per_lane(int32_t first) {
-  const v16 lane = _mm512_setr_epi32(0x00000000, 0x04040404, 0x08080808, 0x0C0C0C0C, 0x10101010, 0x14141414, 0x18181818, 0x1C1C1C1C, 0x20202020, 0x24242424,
-                                     0x28282828, 0x2C2C2C2C, 0x30303030, 0x34343434, 0x38383838, 0x3C3C3C3C);
-  return _mm512_add_epi32(lane, set32(first));
-}
-
 // What all colours take: likewise.
 struct colouring {
-  v16 half, half_of_last, one, pairs, level_words, level_signs, level_all;
+  v16 half, half_of_last, one, to_upper, level_words, level_signs, level_all;
+  __mmask64 upper_words;
   SPANTEX_INLINE colouring() {
     half = of32<before_even>();
     one = of32<0x10000>();
-    pairs = held(per_lane(0x42410201));
+    to_upper = held(_mm512_broadcast_i32x4(_mm_setr_epi8(-1, -1, 1, 2, -1, -1, 5, 6, -1, -1, 9, 10, -1, -1, 13, 14)));
+    __mmask64 words = 0xCCCCCCCCCCCCCCCC;
+    asm("" : "+k"(words));
+    upper_words = words;
     half_of_last = of32<opaque + before_even>();
     level_words = held(_mm512_broadcast_i32x4(_mm_setr_epi8(0, -1, 0, -1, 4, -1, 4, -1, 8, -1, 8, -1, 12, -1, 12, -1)));
     level_signs = of32<0x0002FFFE>();
@@ -151,7 +122,9 @@ struct colouring {
   SPANTEX_INLINE v16 level_weights(v16 level) const { return _mm512_add_epi16(_mm512_mullo_epi16(_mm512_shuffle_epi8(level, level_words), level_signs), level_all); }
 
   // Two levels, each with 15 bits of fraction and 2^7 added: rounded to 7 bits, then interpolated and added to a sum, 16 bits of fraction.
-  SPANTEX_INLINE v16 summed(v16 sum, v16 fine, v16 coarse, v16 weights) const { return _mm512_dpwssd_epi32(sum, _mm512_permutex2var_epi8(fine, pairs, coarse), weights); }
+  SPANTEX_INLINE v16 summed(v16 sum, v16 fine, v16 coarse, v16 weights) const {
+    return _mm512_dpwssd_epi32(sum, _mm512_mask_shuffle_epi8(_mm512_srli_epi32(fine, 8), upper_words, coarse, to_upper), weights);
+  }
 
   // The same written out.
   SPANTEX_INLINE v16 between_levels(v16 fine, v16 coarse, v16 weights, v16 rounding) const { return even(summed(rounding, fine, coarse, weights)); }
@@ -164,11 +137,11 @@ struct colouring {
   SPANTEX_INLINE v16 rounding_of(int m) const { return with_alpha<Channels>(m) ? half_of_last : half; }
 };
 
-template <int Channels, held_in Where, class Section>
-SPANTEX_INLINE v16 bilinear16(const colouring& as, const Section& at, const samples& s) {
+template <int Channels, held_in Where>
+SPANTEX_INLINE v16 bilinear16(const colouring& as, const quad_section<Where>& at, const samples& s) {
   v16 c[Channels];
   constexpr int32_t rounding = (128 << (14 + up_of_one)) + before_even;
-  blended16<Where>(at, s, of32<rounding>(), c, of32<opaque + rounding>());
+  blended16(at, s, of32<rounding>(), c, of32<opaque + rounding>());
 #pragma GCC unroll 4
   for (int k = 0; k < Channels; ++k) c[k] = as.even(c[k]);
   return as.packed(c);
@@ -187,18 +160,43 @@ SPANTEX_INLINE void write_half(rgba8* row, int64_t stride, v16 left, v16 right) 
 
 SPANTEX_INLINE rgba8* first_of_span(const row_work& work, int32_t sx) { return work.pixels + int64_t(work.sy) * span_side * work.stride + sx * span_side; }
 
+// Quads of two columns: rows of each are pairs of pixels.
+SPANTEX_INLINE void write_tall(rgba8* row, int64_t stride, const v16 (&quad)[quads]) {
+  const v16 first[2] = {_mm512_unpacklo_epi64(quad[0], quad[1]), _mm512_unpackhi_epi64(quad[0], quad[1])}, last[2] = {_mm512_unpacklo_epi64(quad[2], quad[3]), _mm512_unpackhi_epi64(quad[2], quad[3])};
+#pragma GCC unroll 2
+  for (int odd = 0; odd < 2; ++odd)
+#pragma GCC unroll 2
+    for (int half = 0; half < 2; ++half) {
+      const v16 lanes = half == 0 ? _mm512_setr_epi64(0, 1, 8, 9, 2, 3, 10, 11) : _mm512_setr_epi64(4, 5, 12, 13, 6, 7, 14, 15), rows = _mm512_permutex2var_epi64(first[odd], lanes, last[odd]);
+      rgba8* const to = row + (4 * half + odd) * stride;
+      _mm256_storeu_si256(reinterpret_cast<__m256i*>(to), _mm512_castsi512_si256(rows));
+      _mm256_storeu_si256(reinterpret_cast<__m256i*>(to + 2 * stride), _mm512_extracti64x4_epi64(rows, 1));
+    }
+}
+
+// A flat quad's two.
+SPANTEX_INLINE void write_rows(rgba8* row, int64_t stride, v16 quad) {
+  _mm256_storeu_si256(reinterpret_cast<__m256i*>(row), _mm512_castsi512_si256(quad));
+  _mm256_storeu_si256(reinterpret_cast<__m256i*>(row + stride), _mm512_extracti64x4_epi64(quad, 1));
+}
+
 // To span (sx, work.sy).
-SPANTEX_INLINE void write(const row_work& work, int32_t sx, span_mask mask, const v16 (&quad)[quads]) {
-  rgba8* row = first_of_span(work, sx);
-  const int64_t half = int64_t(quad_side) * work.stride;
-  if (mask == ~span_mask(0)) {
-    write_half(row, work.stride, quad[0], quad[1]);
-    write_half(row + half, work.stride, quad[2], quad[3]);
-    return;
-  }
+SPANTEX_INLINE void write(const row_work& work, int32_t sx, span_mask mask, const v16 (&quad)[quads], cut how = cut::square) {
   alignas(64) rgba8 pixels[span_pixel_count];
-  write_half(pixels, span_side, quad[0], quad[1]);
-  write_half(pixels + quad_side * span_side, span_side, quad[2], quad[3]);
+  rgba8* row = first_of_span(work, sx);
+  const bool all = mask == ~span_mask(0);
+  rgba8* const to = all ? row : pixels;
+  const int64_t stride = all ? work.stride : span_side;
+  if (how == cut::flat) {
+#pragma GCC unroll 4
+    for (int n = 0; n < quads; ++n) write_rows(to + 2 * n * stride, stride, quad[n]);
+  } else if (how == cut::tall) {
+    write_tall(to, stride, quad);
+  } else {
+    write_half(to, stride, quad[0], quad[1]);
+    write_half(to + quad_side * stride, stride, quad[2], quad[3]);
+  }
+  if (all) return;
   for (int y = 0; y < span_side; ++y, row += work.stride)
     _mm256_mask_storeu_epi32(row, __mmask8(mask >> (y * span_side)), _mm256_load_si256(reinterpret_cast<const __m256i*>(pixels + y * span_side)));
 }

@@ -10,7 +10,7 @@ static_assert(q.offset_bits == 31 && q.reciprocal_bits == 30 && q.subtexel_bits 
 static_assert(max_extent_log2 == 12 && reach == 7 && reciprocal_seed_bits == 7);
 
 constexpr int batch_size = 8;           // spans
-constexpr int quads = 4, quad_side = 4;  // a span's pixels, one register each: left and right of the top, left and right of the bottom; lane 4 y + x
+constexpr int quads = 4, quad_side = 4;  // a span's pixels, one register each (quads.hpp)
 
 using v8 = __m512i;   // eight 64-bit lanes: a span each
 using v16 = __m512i;  // sixteen 32-bit lanes: a pixel each

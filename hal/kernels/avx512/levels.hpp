@@ -53,12 +53,32 @@ SPANTEX_INLINE common_level common_level_of(const v16 (&level)[quads]) {
   return {_mm_cvtsi128_si32(_mm512_castsi512_si128(of(0))) >> q.level_bits, alike, !TwoLevels || _mm512_test_epi32_mask(any, of32<(1 << q.level_bits) - 1>()) == 0};
 }
 
+// Each pixel's longer one of its row's and its column's length.
+SPANTEX_INLINE void longest_of(v16 lengths, cut how, v16 (&out)[quads]) {
+  const auto of = [&](v16 lanes, int first) SPANTEX_INLINED { return _mm512_permutexvar_epi32(_mm512_add_epi32(lanes, set32(first)), lengths); };
+  constexpr int columns = span_side;
+  if (how == cut::square) [[likely]] {
+    const v16 row = _mm512_setr_epi32(0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3), column = _mm512_setr_epi32(0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3);
+    const v16 top = of(row, 0), bottom = of(row, 4), left = of(column, columns), right = of(column, columns + 4);
+    out[0] = _mm512_max_epi32(top, left);
+    out[1] = _mm512_max_epi32(top, right);
+    out[2] = _mm512_max_epi32(bottom, left);
+    out[3] = _mm512_max_epi32(bottom, right);
+  } else if (how == cut::flat) {
+    const v16 all = of(_mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7), columns), row = _mm512_setr_epi32(0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1);
+#pragma GCC unroll 4
+    for (int n = 0; n < quads; ++n) out[n] = _mm512_max_epi32(of(row, 2 * n), all);
+  } else {
+    const v16 all = of(_mm512_setr_epi32(0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 5, 5, 6, 6, 7, 7), 0), column = _mm512_setr_epi32(0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1);
+#pragma GCC unroll 4
+    for (int n = 0; n < quads; ++n) out[n] = _mm512_max_epi32(of(column, columns + 2 * n), all);
+  }
+}
+
 // level_at() of the span's pixels, 2^-8.
-SPANTEX_INLINE void levels_of(const row_work& work, v16 lengths, int s, int series_drop, const v16 (&e)[quads], const slopes16& w, v16 (&level)[quads]) {
-  const v16 row = _mm512_setr_epi32(0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3), column = _mm512_setr_epi32(8, 9, 10, 11, 8, 9, 10, 11, 8, 9, 10, 11, 8, 9, 10, 11);
-  const v16 top = _mm512_permutexvar_epi32(row, lengths), bottom = _mm512_permutexvar_epi32(_mm512_add_epi32(row, set32(4)), lengths);
-  const v16 left = _mm512_permutexvar_epi32(column, lengths), right = _mm512_permutexvar_epi32(_mm512_add_epi32(column, set32(4)), lengths);
-  const v16 terms[quads] = {_mm512_max_epi32(top, left), _mm512_max_epi32(top, right), _mm512_max_epi32(bottom, left), _mm512_max_epi32(bottom, right)};
+SPANTEX_INLINE void levels_of(const row_work& work, v16 lengths, int s, int series_drop, const v16 (&e)[quads], const slopes16& w, cut how, v16 (&level)[quads]) {
+  v16 terms[quads];
+  longest_of(lengths, how, terms);
   const v16 most = set32(work.last_level << q.level_bits), drop = set32(series_drop), square_drop = _mm512_add_epi32(drop, of32<1>()), log_drop = _mm512_add_epi32(drop, of32<13>());
 #pragma GCC unroll 4
   for (int n = 0; n < quads; ++n) {

@@ -57,12 +57,15 @@ SPANTEX_INLINE void plan_extents(const row_work& work, setup& s) {
   s.shift = _mm512_sub_epi64(_mm512_sub_epi64(_mm512_add_epi64(s.inverse.exponent, of64<63>()), s.drop), s.exponent);
 }
 
+template <filter Kind>
 SPANTEX_INLINE void plan_mantissas(setup& s, batch& b) {
   const auto mantissa = [&](v8 n) { return quotient8(n, s.drop, s.inverse.y, s.shift); };
   keep(b.c_u, mantissa(s.c_u)); keep(b.a_u, mantissa(s.a_u)); keep(b.b_u, mantissa(s.b_u));
   keep(b.c_v, mantissa(s.c_v)); keep(b.a_v, mantissa(s.a_v)); keep(b.b_v, mantissa(s.b_v));
-  keep(b.u, got(b.c_u), got(b.a_u), got(b.b_u));
-  keep(b.v, got(b.c_v), got(b.a_v), got(b.b_v));
+  b.how = cut::square;
+  if constexpr (uses_levels(Kind)) b.how = best_cut(got(b.a_u), got(b.a_v), got(b.b_u), got(b.b_v), s.usable);
+  keep<Kind>(b.u, got(b.c_u), got(b.a_u), got(b.b_u), b.how);
+  keep<Kind>(b.v, got(b.c_v), got(b.a_v), got(b.b_v), b.how);
   keep(b.exponent, s.exponent);
 }
 
@@ -84,6 +87,7 @@ SPANTEX_INLINE void plan_slopes(const row_work& work, setup& s, batch& b) {
 }
 
 // choose_evaluation().
+template <filter Kind>
 SPANTEX_INLINE void plan_evaluation(setup& s, batch& b) {
   const v8 steepness = times7(_mm512_add_epi64(_mm512_abs_epi64(s.g), _mm512_abs_epi64(s.h)));
   s.steepness = steepness;
@@ -106,7 +110,7 @@ SPANTEX_INLINE void plan_evaluation(setup& s, batch& b) {
   keep(b.affine_log2, s.affine_log2);
   keep(b.series_drop, _mm512_sub_epi64(of64<-2>(), slope_log2));
   const v8 up = _mm512_sub_epi64(_mm512_setzero_si512(), slope_log2);
-  keep(b.e, _mm256_setzero_si256(), narrowed(_mm512_sllv_epi64(s.g, up)), narrowed(_mm512_sllv_epi64(s.h, up)));
+  keep<Kind>(b.e, _mm256_setzero_si256(), narrowed(_mm512_sllv_epi64(s.g, up)), narrowed(_mm512_sllv_epi64(s.h, up)), b.how);
   keep(b.terms, _mm512_mask_mov_epi64(terms, affine, _mm512_setzero_si512()));
   b.usable = s.usable;
 }
@@ -133,8 +137,8 @@ SPANTEX_INLINE void plan_part(int k, const row_work& work, const batch_steps& st
     case 1: return plan_inverse(s);
     case 2: return plan_bases(s);
     case 3: return plan_extents(work, s);
-    case 4: return plan_mantissas(s, b);
-    case 5: plan_slopes(work, s, b); return plan_evaluation(s, b);
+    case 4: return plan_mantissas<Kind>(s, b);
+    case 5: plan_slopes(work, s, b); return plan_evaluation<Kind>(s, b);
     default: return plan_places<Kind>(work, s, b);
   }
 }

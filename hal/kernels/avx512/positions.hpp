@@ -89,9 +89,6 @@ SPANTEX_INLINE void forms_of(const batch_forms& f, int k, v16 (&out)[quads]) {
   out[3] = _mm512_add_epi32(out[1], below);
 }
 
-// The pixels of quad n.
-SPANTEX_INLINE span_mask pixels_of(int n) { return span_mask(0x0F0F0F0F) << (32 * (n >> 1) + 4 * (n & 1)); }
-
 SPANTEX_INLINE void evaluate(const batch& b, int k, const slopes16& w, offsets& o) {
   const v16 drop = set32(b.series_drop[k]);
   switch (b.terms[k]) {
@@ -189,6 +186,14 @@ struct alignas(32) snapping {
     put(turn, _mm_sub_epi32(shift, _mm_set1_epi32(16)));
   }
 
+  // Rows are counted from these, on the level that lies so many after the fine one.
+  SPANTEX_INLINE void begin_at(const int32_t (&row)[quads], int after) {
+    const auto four = [](const int32_t* from) { return _mm_loadu_si128(reinterpret_cast<const __m128i*>(from)); };
+    int32_t* const to = from_v + after * quads;
+    const __m128i texel = _mm_add_epi32(four(drop + after * quads), _mm_set1_epi32(q.subtexel_bits));
+    _mm_storeu_si128(reinterpret_cast<__m128i*>(to), _mm_sub_epi32(four(to), _mm_sllv_epi32(four(row), texel)));
+  }
+
   template <class C>
   SPANTEX_INLINE v16 at(const C& c, v16 u, v16 v, int k) const { return snapped_by(c, u, v, from_u[k], from_v[k], drop[k], turn[k]); }
 };
@@ -208,6 +213,12 @@ struct alignas(32) scaling {
   SPANTEX_INLINE v16 product(v16 x, int k) const {
     const v16 by = set32(ratio[k]);
     return _mm512_add_epi32(products(x, by, by), set32(from[k]));
+  }
+
+  SPANTEX_INLINE void begin_at(const int32_t (&row)[quads]) {
+    const auto four = [](const int32_t* of) { return _mm_loadu_si128(reinterpret_cast<const __m128i*>(of)); };
+    const __m128i texel = _mm_add_epi32(four(drop + quads), _mm_set1_epi32(q.subtexel_bits));
+    _mm_storeu_si128(reinterpret_cast<__m128i*>(from + quads), _mm_sub_epi32(four(from + quads), _mm_sllv_epi32(four(row), texel)));
   }
 
   // As snapped16() has them.

@@ -40,25 +40,26 @@ SPANTEX_INLINE bool draw_bilinear(const row_work& work, const batch& b, int k) {
 #pragma GCC unroll 4
     for (int n = 0; n < quads; ++n) {
       positions at = positions_of(b, k, o, n);
-      if constexpr (Where == held_in::shallow) at.base_v -= b.sections.row[n][k];
-      out[n] = bilinear16<Channels, Where>(as, section_of<Where>(map.blocks(), b.sections, k, n), samples16(from, snapped16(at, 0)));
+      at.base_v -= b.sections.row[n][k];
+      out[n] = bilinear16<Channels>(as, section_of<Where>(map.blocks(), b.sections, k, n), samples16(from, snapped16(at, 0)));
     }
   };
-  if (b.placed & b.shallow & (1u << k)) {
-    drawn.template operator()<held_in::shallow>();
-  } else if (b.placed & ~b.wide & (1u << k)) {
-    drawn.template operator()<held_in::narrow>();
-  } else if (b.placed >> k & 1) {
-    drawn.template operator()<held_in::wide>();
+  if (b.placed >> k & 1) {
+    const bool deep = b.deep >> k & 1, broad = b.broad >> k & 1;
+    if (deep) broad ? drawn.template operator()<held_in::full>() : drawn.template operator()<held_in::narrow>();
+    else broad ? drawn.template operator()<held_in::broad>() : drawn.template operator()<held_in::shallow>();
   } else {
     span_sections sections;
     const v16 level = _mm512_setzero_si512();
-    find_sections<true>(section_ends(map, end_texels(reach_of(o.u, o.v, o.bits, b.base_u[k], b.base_v[k]), level), level), sections);
+    find_sections<false>(map, end_texels(reach_of(o.u, o.v, o.bits, b.base_u[k], b.base_v[k], cut::square), level), level, sections);
     if (sections.fit != 0xF) return false;
     shorten(0, o.u, o.v, o.bits, o.half);
 #pragma GCC unroll 4
-    for (int n = 0; n < quads; ++n)
-      out[n] = bilinear16<Channels, held_in::wide>(as, section_of<held_in::wide>(map.blocks(), sections, n), samples16(from, snapped16(positions_of(b, k, o, n), 0)));
+    for (int n = 0; n < quads; ++n) {
+      positions at = positions_of(b, k, o, n);
+      at.base_v -= sections.row[n];
+      out[n] = bilinear16<Channels>(as, section_of<held_in::narrow>(map.blocks(), sections, n), samples16(from, snapped16(at, 0)));
+    }
   }
   write(work, b.sx + k, work.masks[b.first + k], out);
   return true;
