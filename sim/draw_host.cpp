@@ -194,6 +194,24 @@ void add(skip_counters& sum, const skip_counters& c) {
   sum.pixels_opaque += c.pixels_opaque;
 }
 
+// What is nearest everywhere in the band, before anything is filtered there.
+void lay_depths_of(const scene& s, band b, const target& out, draw_counters& counts) {
+  const int32_t width = s.size.width_px, columns = out.columns();
+  const auto leaves = [&](int32_t sx, int32_t sy) { return !out.kept.empty() && out.kept[size_t(sy * columns + sx)] != 0; };
+  for (const drawable& item : s.items) {
+    polygon part = item.shape;
+    part.box = intersection(part.box, {0, b.y0, width, b.y1});
+    counts.spans_total += lay_depths(part, out.depths(), width, s.size.height_px, leaves);
+  }
+  for (int32_t sy = b.y0 / span_side; sy * span_side < b.y1; ++sy)
+    for (int32_t sx = 0; sx < columns; ++sx) {
+      if (leaves(sx, sy)) continue;
+      reopen_depths(&out.depth.floors[size_t(sy * columns + sx)], 1);
+      for (int32_t y = sy * span_side; y < std::min((sy + 1) * span_side, b.y1); ++y)
+        reopen_depths(&out.depth.values[size_t(y) * size_t(width) + size_t(sx * span_side)], std::min(span_side, width - sx * span_side));
+    }
+}
+
 template <class Prof, class Engine>
 status draw_band(const Prof& prof, Engine& engine, const scene& s, const draw_options& o, band b, const target& out, band_counts& counts) {
   for (const texture_map& map : *s.maps)
@@ -201,6 +219,7 @@ status draw_band(const Prof& prof, Engine& engine, const scene& s, const draw_op
   const run_time_skips skips{o.port == nullptr ? o.skips : o.skips & default_skips, {0, b.y0, s.size.width_px, b.y1}, out.kept.empty() ? nullptr : out.kept.data(), out.columns()};
   renderer<Engine, Prof, shading, reads_on_demand<Engine>, run_time_skips> r(engine, prof, frame_of(out.picture), skips, {{}, &engine, nullptr, nullptr});
   r.single_half(o.single_half);
+  if (o.depths_first && s.uses_depth()) lay_depths_of(s, b, out, counts.work);
   for (const drawable& item : s.items) SPANTEX_TRY(draw_item(r, item, s, o, b, out, counts.work));
   SPANTEX_TRY(r.finish());
   add(counts.work, r.counters());

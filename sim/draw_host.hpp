@@ -104,6 +104,7 @@ struct draw_options {
   int repeat = 1;
   bool single_half = false;
   cull culled = cull::none;
+  bool depths_first = false;         // of all polygons, before any is filtered (visibility.hpp); opaque ones
   skip_set skips = usual_skips;      // of the scalar engine; kernels have their own, and draw only where none is switched off
   latencies table{};                 // engine sim
   trace_sink* sink = nullptr;        // engine sim, one thread

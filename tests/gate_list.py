@@ -444,6 +444,8 @@ GATES = [
      "conformance", "aniso_of_exact*", ["sim/verifier.cpp"]),
     ("floors that hide what is in front", F + "visibility.hpp", "range.most <= *floor", "range.least <= *floor", "visibility", "floors*", []),
     ("floors above what is stored", F + "visibility.hpp", "*floor = range.least;", "*floor = range.most;", "visibility", "no_pixel*", []),
+    ("depths laid first and not opened again", F + "visibility.hpp", "values[k] -= values[k] != 0;", "values[k] -= 0;", "visibility", "depths_first*", []),
+    ("depths opened again where nothing is", F + "visibility.hpp", "values[k] -= values[k] != 0;", "--values[k];", "visibility", "depths_first*", []),
     ("one colour taken from the first texel", F + "shortcuts.hpp", "return texel == colour; });", "return texel.a == colour.a; });", "skips", "what_is_nearly*", []),
     ("copies a quarter of a texel aside", F + "shortcuts.hpp", "const int32_t most = (1 << (15 - q.subtexel_bits)) - (1 << (16 - q.coordinate_bits));", "const int32_t most = 1 << 14;", "skips", "whole_steps*", []),
     ("copies where the section is clamped", F + "shortcuts.hpp", "c.two_levels || c.corrects || ", "c.two_levels || ", "skips", "a_clamped*", []),

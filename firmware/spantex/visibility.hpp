@@ -59,4 +59,31 @@ constexpr span_mask depth_test(const polygon& p, int32_t sx, int32_t sy, span_ma
   return visible;
 }
 
+// --- depths before colours ---------------------------------------------------------------------------------
+
+// Opaque surfaces, of which nothing is to be filtered that another one hides, in whatever order they come: first lay_depths() of each, which stores what is nearest, then reopen_depths() once, then
+// each drawn as ever. What is drawn is seen: every pixel by one surface, the first of those that are equally near. Picture and depths are the same as without.
+// What leaves(sx, sy) says yes to is left alone. Returns the spans looked at.
+template <class Leaves>
+constexpr uint64_t lay_depths(const polygon& p, depth_buffer depth, int32_t frame_width, int32_t frame_height, Leaves leaves) {
+  const rectangle box = intersection(p.box, {0, 0, frame_width, frame_height});
+  if (box.empty()) return 0;
+  uint64_t spans = 0;
+  for (int32_t sy = box.y0 / span_side; sy <= (box.y1 - 1) / span_side; ++sy)
+    for (int32_t sx = box.x0 / span_side; sx <= (box.x1 - 1) / span_side; ++sx) {
+      if (leaves(sx, sy)) continue;
+      ++spans;
+      if (const span_mask mask = coverage(p.edges, sx, sy) & rectangle_mask(p.box, sx, sy) & front_mask(p.map, sx, sy); mask != 0) depth_test(p, sx, sy, mask, depth, frame_width, true);
+    }
+  return spans;
+}
+constexpr uint64_t lay_depths(const polygon& p, depth_buffer depth, int32_t frame_width, int32_t frame_height) {
+  return lay_depths(p, depth, frame_width, frame_height, [](int32_t, int32_t) { return false; });
+}
+
+// Depths, or floors: what is as near as what is stored is nearer again.
+constexpr void reopen_depths(uint32_t* values, int64_t count) {
+  for (int64_t k = 0; k < count; ++k) values[k] -= values[k] != 0;
+}
+
 }  // namespace spantex

@@ -231,6 +231,8 @@ CASES = [
     (render("textured.obj", "--map", "one"), ["--map", "textured.obj"]),
     (render("textured.obj", "--order", "far"), ["--order", "far"]),
     (render("tilted", "--order", "nearest"), ["--order", "tilted"]),
+    (render("textured.obj", "--order", "depths", "--alpha", "cut-out"), ["--order depths", "cut-out"]),
+    (render("textured.obj", "--order", "depths", "--space", "object"), ["--order depths", "object space"]),
     (render("textured.obj", "--path", "short.path"), ["short.path", "line 2", "6 numbers"]),
     (render("textured.obj", "--path", "empty.path"), ["empty.path", "0 views"]),
     (render("textured.obj", "--path", "missing.path"), ["missing.path"]),

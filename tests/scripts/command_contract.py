@@ -309,9 +309,11 @@ def test_levels(folder):
     stats = json.loads((folder / "w.json").read_text())["frames"]
     for f in stats:
         assert f["pixels_shown"] == 64 * 48 <= f["pixels"] <= f["pixels_tested"] and 1 <= f["polygons"] <= 12 and f["words_loaded"] > 0, f
-    for more in (["--kernel", "scalar"], ["--order", "file"], ["--engine", "sim"]):
-        done(*level, "--frames", "4", "--out", "v%d.png", *more, cwd=folder)
+    for more in (["--kernel", "scalar"], ["--order", "file"], ["--engine", "sim"], ["--order", "depths"], ["--order", "depths", "--kernel", "scalar", "--threads", "3"]):
+        done(*level, "--frames", "4", "--out", "v%d.png", "--stats", "v.json", *more, cwd=folder)
         assert [(folder / f"v{k}.png").read_bytes() for k in range(4)] == frames, more
+        drawn = json.loads((folder / "v.json").read_text())["frames"]
+        assert "depths" not in more or all(f["pixels"] == 64 * 48 for f in drawn), "every pixel once"
     done(*level, "--out", "o.png", cwd=folder)
     assert (folder / "o.png").read_bytes() == frames[0]
     (folder / "p.path").write_text("# a frame a line\n40,50,-128,200,50,-128\n\n40,50,-128,40,50,-200\n")

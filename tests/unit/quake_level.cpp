@@ -22,27 +22,38 @@ namespace fs = std::filesystem;
 
 struct work { uint64_t words, pixels; };
 
-work drawn(const scene& s, std::vector<uint32_t>& depths) {
+work drawn(const scene& s, std::vector<uint32_t>& depths, bool depths_first = false) {
   using standard = fixed_profile<profiles::standard>;
   const size_t columns = size_t(s.size.width_px + 7) / 8, rows = size_t(s.size.height_px + 7) / 8;
   std::vector<uint32_t> floors(columns * rows);
   image picture(s.size.width_px, s.size.height_px, {});
   direct_engine<standard> engine{standard{}};
   renderer<direct_engine<standard>, standard> r(engine, standard{}, {picture.pixels.data(), s.size.width_px, s.size.height_px, s.size.width_px});
+  if (depths_first) {
+    for (const drawable& d : s.items) lay_depths(d.shape, {depths.data(), floors.data()}, s.size.width_px, s.size.height_px);
+    reopen_depths(depths.data(), int64_t(depths.size()));
+    reopen_depths(floors.data(), int64_t(floors.size()));
+  }
   for (const drawable& d : s.items) SPANTEX_ASSERT_OK(r.draw(d.shape, s.texture(d), filter::trilinear, {depths.data(), floors.data()}));
   SPANTEX_ASSERT_OK(r.finish());
   return {r.counters().words_loaded, r.counters().pixels};
 }
 
-struct cost { work all, visible; overdraw over; };
+struct cost { work all, visible; overdraw over; work depths_first; };
 
 // Visible: depths are there beforehand, one less than the nearest surface's, so that each surface draws just what is seen of it.
+// With depths first every scene, and so every frame, costs that.
 cost cost_of(const scene& s) {
   std::vector<uint32_t> depths(size_t(s.size.width_px) * size_t(s.size.height_px));
-  cost c{drawn(s, depths), {}, overdraw_of(s)};
+  cost c{drawn(s, depths), {}, overdraw_of(s), {}};
+  std::vector<uint32_t> none(depths.size());
+  c.depths_first = drawn(s, none, true);
+  assert_true(none == depths);
   for (uint32_t& z : depths) z -= z != 0;
   c.visible = drawn(s, depths);
   assert_int_equal(c.visible.pixels, c.over.pixels_shown);
+  assert_int_equal(c.depths_first.pixels, c.visible.pixels);
+  assert_int_equal(c.depths_first.words, c.visible.words);
   return c;
 }
 

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Visibility: depth by pixel against depth by span first.
+#include <algorithm>
+
 #include <tests/support.hpp>
 
 using namespace spantex;
@@ -76,6 +78,48 @@ SPANTEX_CASE(floors_change_no_pixel_and_no_depth) {
   }
 }
 
+// In one go, and depths first: every pixel is shown by the same polygon, of equals by the first, and drawn once.
+SPANTEX_CASE(depths_first_show_what_is_seen_and_nothing_else) {
+  static polygon all[400];
+  static int16_t shown[width * height], seen[width * height];
+  uint64_t drawn_at_once = 0, equals = 0;
+  for (int seed = 1; seed <= 8; ++seed) {
+    random_source random{uint64_t(seed)};
+    int count = 0;
+    while (count < 400) {
+      const bool again = count > 0 && random.between(0, 7) == 0;  // as near as one before
+      if (again) all[count] = all[random.between(0, count - 1)];
+      if (again || random_polygon(random, all[count])) ++count;
+    }
+    const auto draw = [&](depths& d, int16_t* owner, uint64_t& pixels) {
+      for (int n = 0; n < count; ++n)
+        each_span(all[n], [&](int32_t sx, int32_t sy, span_mask mask) {
+          for (span_mask rest = depth_test(all[n], sx, sy, mask & front_mask(all[n].map, sx, sy), {d.values, d.floors}, width, true); rest != 0; rest &= rest - 1) {
+            const int k = __builtin_ctzll(rest);
+            owner[(sy * 8 + k / 8) * width + sx * 8 + k % 8] = int16_t(n);
+            ++pixels;
+          }
+        });
+    };
+    std::fill(shown, shown + width * height, int16_t(-1));
+    std::fill(seen, seen + width * height, int16_t(-1));
+    with = without = {};
+    draw(without, shown, drawn_at_once);
+    for (int n = 0; n < count; ++n) lay_depths(all[n], {with.values, with.floors}, width, height);
+    assert_memory_equal(with.values, without.values, sizeof with.values);
+    reopen_depths(with.values, width * height);
+    reopen_depths(with.floors, across * down);
+    uint64_t pixels = 0;
+    draw(with, seen, pixels);
+    assert_memory_equal(seen, shown, sizeof shown);
+    assert_memory_equal(with.values, without.values, sizeof with.values);
+    assert_int_equal(pixels, width * height - std::count(shown, shown + width * height, int16_t(-1)));
+    for (int k = 0; k < width * height; ++k)
+      for (int n = shown[k] + 1; shown[k] >= 0 && n < count; ++n) equals += all[n].depth == all[shown[k]].depth;
+  }
+  assert_true(drawn_at_once > 2 * 8 * uint64_t(width) * height && equals > 100);
+}
+
 SPANTEX_CASE(no_pixel_of_a_span_is_farther_than_its_floor) {
   draw_all(9);
   int known = 0;
@@ -113,6 +157,7 @@ SPANTEX_CASE(depths_of_a_span_lie_between_its_corners) {
 int main() {
   const CMUnitTest tests[] = {
       cmocka_unit_test(floors_change_no_pixel_and_no_depth),
+      cmocka_unit_test(depths_first_show_what_is_seen_and_nothing_else),
       cmocka_unit_test(no_pixel_of_a_span_is_farther_than_its_floor),
       cmocka_unit_test(depths_of_a_span_lie_between_its_corners),
   };

@@ -304,7 +304,7 @@ void subject_options::add_to(CLI::App& app, bool with_matrix) {
   app.add_option("--target", target, "x,y,z that the camera looks at, with --eye");
   fov_given_ = app.add_option("--fov", fov_degrees, "angle of view of the picture's height, degrees")->capture_default_str();
   app.add_option("--map", map, "which level of a .pk3 archive");
-  app.add_option("--order", order, "polygons as in the file, or nearest first: file, nearest; levels are drawn nearest first");
+  app.add_option("--order", order, "polygons as in the file, nearest first, or nearest first and all depths before any texture: file, nearest, depths; levels are drawn nearest first");
   if (with_matrix) app.add_option("--matrix", matrix, "instead of a scene: a plane, A,B,C,D,E,F,G,H,I")->excludes(what);
   else what->required();
 }
@@ -317,7 +317,7 @@ void subject_options::check_consistent() const {
   for (const auto& [option, given] : views)
     if (scene && given) throw input_error(std::string(option) + ": " + what + " has its own view; only models take a camera");
   if (!map.empty() && !sim::is_level(subject)) throw input_error("--map: " + what + " is no archive of levels");
-  if (!order.empty() && order != "file" && order != "nearest") throw input_error("--order: '" + order + "' is neither file nor nearest");
+  if (!order.empty() && order != "file" && order != "nearest" && order != "depths") throw input_error("--order: '" + order + "' is none of file, nearest, depths");
   if (!order.empty() && plane) throw input_error("--order: " + what + " is one surface");
   if (!texture.empty() && !plane) throw input_error("--texture: " + what + " has its own maps; only a plane takes a texture");
 }
@@ -332,7 +332,7 @@ subject_options::loaded::loaded(const subject_options& o, const drawing_options&
   request_.making = d.making();
   if (o.matrix.empty() && o.subject.empty()) throw input_error("nothing to draw: name a scene or model, or give --matrix");
   o.check_consistent();
-  nearest_first_ = o.order.empty() ? sim::is_level(name_) : o.order == "nearest";
+  nearest_first_ = o.order.empty() ? sim::is_level(name_) : o.order != "file";
   if (!o.matrix.empty()) matrix_ = parse_matrix(o.matrix, request_.size);
   if (!o.texture.empty()) {
     sim::map_list maps;

@@ -94,6 +94,9 @@ std::vector<sim::output_file> outputs(const render_options& o) {
 void run(const render_options& o) {
   sim::draw_options drawing = o.drawing.resolve();
   drawing.counted = !o.stats.empty();
+  drawing.depths_first = o.subject.order == "depths";
+  if (drawing.depths_first && drawing.how.alpha != alpha_mode::opaque) throw sim::input_error("--order depths: the depths of what is cut out or blended are not known first: not with --alpha " + o.drawing.alpha);
+  if (drawing.depths_first && drawing.space != sim::sampling_space::screen) throw sim::input_error("--order depths: not in object space, which has its own order");
   if (o.psnr || !o.reference.empty()) refuse_reference(drawing);
   const std::vector<sim::output_file> files = outputs(o);
   const sim::output_file stats = o.stats.empty() ? sim::output_file() : sim::output_file(o.stats);
