@@ -23,22 +23,22 @@ SPANTEX_INLINE columns8 columns_of(const setup& s, const batch& b) {
 // more than S / ((1 - e) (1 - s)), S = x (|u_x| + Y |twist|) + y (|u_y| + X |twist|) with x, y how far a quad's pixels lie from its centre. Square: X = Y = 4, e = 4/7 s, and both together are
 // below S (1 + s (5/2 + 4 s)). Flat: X = 0, Y = 6, e at most 6/7 s: they are below that and 7 s |u_y|; tall likewise.
 SPANTEX_INLINE void plan_bounds(const setup& s, const columns8& j, batch& b) {
-  const quad_cut& cut = cut_of(b.how);
+  const quad_cut& quad = cut_of(b.how);
   const auto part = [](v8 x, v8 of) { return _mm512_srai_epi64(_mm512_mul_epi32(x, of), q.reciprocal_bits); };
   const auto times = [](v8 x, int32_t by) { return _mm512_mul_epi32(x, set(by)); };
   const v8 halves = _mm512_add_epi64(s.steepness, _mm512_srli_epi64(s.steepness, 2));  // 5/4
   const v8 more = _mm512_slli_epi64(_mm512_add_epi64(_mm512_srli_epi64(halves, 1), part(s.steepness, s.steepness)), 2);
   const auto spread = [&](v8 x, v8 y, v8 twist) {
-    const v8 of_x = _mm512_abs_epi64(x), of_y = _mm512_abs_epi64(y), moves = _mm512_add_epi64(times(of_x, cut.half_x), times(of_y, cut.half_y));
-    const v8 all = _mm512_add_epi64(moves, times(_mm512_abs_epi64(twist), cut.half_x * cut.centre_y + cut.half_y * cut.centre_x));
-    const v8 at_centre = _mm512_add_epi64(times(of_x, cut.beyond_x), times(of_y, cut.beyond_y));
+    const v8 of_x = _mm512_abs_epi64(x), of_y = _mm512_abs_epi64(y), moves = _mm512_add_epi64(times(of_x, quad.half_x), times(of_y, quad.half_y));
+    const v8 all = _mm512_add_epi64(moves, times(_mm512_abs_epi64(twist), quad.half_x * quad.centre_y + quad.half_y * quad.centre_x));
+    const v8 at_centre = b.how == cut::square ? _mm512_setzero_si512() : times(b.how == cut::flat ? of_y : of_x, 7);
     return _mm512_srai_epi64(_mm512_add_epi64(_mm512_add_epi64(all, part(all, more)), part(at_centre, s.steepness)), 2);
   };
   const v16 lower = _mm512_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
   const auto keep_both = [&](int32_t (&to)[2 * batch_size], v8 u, v8 v) { _mm512_store_si512(to, _mm512_permutex2var_epi32(u, lower, v)); };
   const auto between = [&](v8 x, v8 y, int32_t by_x, int32_t by_y) { return _mm512_srai_epi64(_mm512_add_epi64(times(x, by_x), times(y, by_y)), 3); };
-  keep_both(b.right, between(j.u_x, j.u_y, cut.right_x, cut.right_y), between(j.v_x, j.v_y, cut.right_x, cut.right_y));
-  keep_both(b.below, between(j.u_x, j.u_y, cut.below_x, cut.below_y), between(j.v_x, j.v_y, cut.below_x, cut.below_y));
+  keep_both(b.right, between(j.u_x, j.u_y, quad.right_x, quad.right_y), between(j.v_x, j.v_y, quad.right_x, quad.right_y));
+  keep_both(b.below, between(j.u_x, j.u_y, quad.below_x, quad.below_y), between(j.v_x, j.v_y, quad.below_x, quad.below_y));
   keep_both(b.spread, spread(j.u_x, j.u_y, j.twist_u), spread(j.v_x, j.v_y, j.twist_v));
 }
 

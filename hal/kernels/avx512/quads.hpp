@@ -5,39 +5,40 @@
 // quads reach far along that axis and hardly along the other; quads two pixels high, or wide, reach as far as they need to along both.
 #pragma once
 
-enum class cut : uint8_t {
-  square,  // 4x4 pixels: left and right of the top, left and right of the bottom; lane 4 y + x
-  flat,    // 8x2: from the top down; lane 8 y + x
-  tall,    // 2x8: from left to right; lane 2 y + x
-};
+enum class cut : uint8_t { square, flat, tall };  // 4x4, 8x2, 2x8 pixels
 
-// Half pixels from a span's centre to those of its pixels. Lane n of the first quad: across[n % 4] + down[n / 4]. Quads 1 and 3 lie `right` of 0 and 2, and 2 and 3 `below` 0
-// and 1, wherever that is.
-struct quad_steps { int32_t x[quad_side], y[quad_side]; };
+// Where the pixels of quads of width x height lie, in half pixels from their span's centre. A quad's lanes are its pixels row by row; quads fill the span row by row.
 struct quad_cut {
-  quad_steps across, down;
-  int32_t right_x, right_y, below_x, below_y;
-  int32_t half_x, half_y;      // how far a quad's pixels lie from its centre
-  int32_t centre_x, centre_y;  // how far its centre lies from the span's
-  int32_t beyond_x, beyond_y;  // plan_bounds()
-  span_mask pixels[quads];
-};
-constexpr quad_cut cuts[] = {
-    {{{-7, -5, -3, -1}, {}}, {{}, {-7, -5, -3, -1}}, 8, 0, 0, 8, 3, 3, 4, 4, 0, 0, {0x000000000F0F0F0F, 0x00000000F0F0F0F0, 0x0F0F0F0F00000000, 0xF0F0F0F000000000}},
-    {{{-7, -5, -3, -1}, {}}, {{0, 8, 0, 8}, {-7, -7, -5, -5}}, 0, 4, 0, 8, 7, 1, 0, 6, 0, 7, {0x000000000000FFFF, 0x00000000FFFF0000, 0x0000FFFF00000000, 0xFFFF000000000000}},
-    {{{-7, -5, -7, -5}, {0, 0, 2, 2}}, {{}, {-7, -3, 1, 5}}, 4, 0, 8, 0, 1, 7, 6, 0, 7, 0, {0x0303030303030303, 0x0C0C0C0C0C0C0C0C, 0x3030303030303030, 0xC0C0C0C0C0C0C0C0}},
-};
-constexpr const quad_cut& cut_of(cut how) { return cuts[int(how)]; }
+  struct steps { int32_t x[quad_side], y[quad_side]; };
+  steps across{}, down{};                           // lane n of the first quad: across[n % 4] + down[n / 4]
+  int32_t right_x, right_y, below_x, below_y;       // from quads 0 and 2 to 1 and 3; from 0 and 1 to 2 and 3
+  int32_t half_x, half_y, centre_x, centre_y;       // how far pixels lie from their quad's centre, and that from the span's
+  span_mask pixels[quads]{};
+  alignas(64) int32_t corners[16]{};                // a quad's first lane, the ends of its rows and columns, the last; and those of another quad's register
 
-// Where a quad's corners are, and those of another quad's register.
-struct alignas(64) corner_table {
-  int32_t of_two[16];
-  constexpr corner_table(int top_right, int bottom_left) : of_two() {
-    const int lanes[] = {0, top_right, bottom_left, 15};
-    for (int k = 0; k < 16; ++k) of_two[k] = lanes[k / 4] + 16 * (k % 2);
+  constexpr quad_cut(int width, int height)
+      : right_x(0), right_y(0), below_x(0), below_y(0), half_x(width - 1), half_y(height - 1), centre_x(span_side - width), centre_y(span_side - height) {
+    const int in_a_row = span_side / width;
+    const auto x = [&](int quad, int lane) { return quad % in_a_row * width + lane % width; };
+    const auto y = [&](int quad, int lane) { return quad / in_a_row * height + lane / width; };
+    for (int n = 0; n < quad_side; ++n) {
+      across.x[n] = 2 * x(0, n) + 1 - span_side;
+      across.y[n] = 2 * y(0, n) + 1 - span_side;
+      down.x[n] = 2 * x(0, quad_side * n);
+      down.y[n] = 2 * y(0, quad_side * n);
+    }
+    right_x = 2 * x(1, 0);
+    right_y = 2 * y(1, 0);
+    below_x = 2 * x(2, 0);
+    below_y = 2 * y(2, 0);
+    const int lanes[] = {0, width - 1, 16 - width, 15};
+    for (int k = 0; k < 16; ++k) corners[k] = lanes[k / 4] + 16 * (k % 2);
+    for (int quad = 0; quad < quads; ++quad)
+      for (int lane = 0; lane < 16; ++lane) pixels[quad] |= span_mask(1) << (span_side * y(quad, lane) + x(quad, lane));
   }
 };
-constexpr corner_table corner_lanes[] = {{3, 12}, {7, 8}, {1, 14}};
+constexpr quad_cut cuts[] = {{4, 4}, {8, 2}, {2, 8}};
+constexpr const quad_cut& cut_of(cut how) { return cuts[int(how)]; }
 
 // The square one, or what most of eight spans reach less far with, given the steps of their positions along x and y: by how far the wider axis of a quad reaches.
 SPANTEX_INLINE cut best_cut(__m256i u_x, __m256i v_x, __m256i u_y, __m256i v_y, uint32_t spans) {

@@ -9,7 +9,7 @@ SPANTEX_INLINE v16 corners_of(const v16 (&x)[quads], v16 corners) {
 
 // In s15.16 of level 0: least u, least v, most u, most v of the four quads, widened by twice the tolerance.
 SPANTEX_INLINE v16 reach_of(const v16 (&of_u)[quads], const v16 (&of_v)[quads], int bits, int32_t base_u, int32_t base_v, cut how) {
-  const v16 corners = _mm512_load_si512(corner_lanes[int(how)].of_two), u = corners_of(of_u, corners), v = corners_of(of_v, corners), some = _mm512_shuffle_i32x4(u, v, 0x44), others = _mm512_shuffle_i32x4(u, v, 0xEE);
+  const v16 corners = _mm512_load_si512(cut_of(how).corners), u = corners_of(of_u, corners), v = corners_of(of_v, corners), some = _mm512_shuffle_i32x4(u, v, 0x44), others = _mm512_shuffle_i32x4(u, v, 0xEE);
   const v16 least = _mm512_min_epi32(some, others), most = _mm512_max_epi32(some, others);
   const v16 a = _mm512_shuffle_i32x4(least, most, 0x88), b = _mm512_shuffle_i32x4(least, most, 0xDD), all = _mm512_mask_max_epi32(_mm512_min_epi32(a, b), 0xFF00, a, b);
   constexpr int32_t slack = 1 << (17 - q.tolerance_bits);
@@ -49,7 +49,7 @@ SPANTEX_INLINE quad_section<Where> section_at(const uint8_t* blocks, const auto&
 }
 template <held_in Where>
 SPANTEX_INLINE auto section_of(const uint8_t* blocks, const batch_sections& s, int k, int n) {
-  return section_at<Where>(blocks, [&](int c, int r) SPANTEX_INLINED { return s.at[c][r][n][k]; }, s.merged[n][k], s.column[n][k]);
+  return section_at<Where>(blocks, [&](int c, int r) SPANTEX_INLINED { return s.at[c][r][n][k]; }, s.merged[n][k], is_broad(Where) ? s.column[n][k] : 0);
 }
 
 // The sections of a span's four quads on a level each, from planar_map::blocks().
@@ -62,7 +62,7 @@ struct alignas(64) span_sections {
 };
 template <held_in Where>
 SPANTEX_INLINE auto section_of(const uint8_t* blocks, const span_sections& s, int n) {
-  return section_at<Where>(blocks, [&](int c, int r) SPANTEX_INLINED { return s.at[c][r][n]; }, s.merged[n], s.column[n]);
+  return section_at<Where>(blocks, [&](int c, int r) SPANTEX_INLINED { return s.at[c][r][n]; }, s.merged[n], is_broad(Where) ? s.column[n] : 0);
 }
 
 // Lanes are ordered as in reach_of(): those of u, of v, of the first ends.
