@@ -16,7 +16,7 @@ import time
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 BINARY = pathlib.Path(os.environ.get("SPANTEX_BUILD", ROOT / "build")) / "spantex"
 JOBS, KILLS = 4, 3
-SPEC = {"name": "machines", "size": "96x64", "base": {"profile": "default"}, "scenes": ["tilted"], "measures": ["picture", "twin", "coordinates", "cost"],
+SPEC = {"name": "machines", "size": "320x192", "base": {"profile": "default"}, "scenes": ["tilted"], "measures": ["picture", "twin", "coordinates", "cost"],
         "parts": [{"name": "grid", "axes": {"filter": ["trilinear", "aniso"], "subtexel_bits": {"from": 1, "to": 8}, "level_bits": [2, 4, 8]}}]}
 
 
@@ -73,17 +73,20 @@ def workers(folder):
 
 
 def kill_some(folder, still_running):
-    """Kills workers, one at a time and none twice (a job is tried three times), while the sweep runs; returns how many."""
-    killed = set()
-    while len(killed) < KILLS and still_running():
-        time.sleep(0.4)
+    """Kills workers in the midst of their records, none twice (a job is tried three times), while the sweep runs; returns how many. A record's worker lives for seconds,
+    so that twenty looks a second find it however busy the machine is."""
+    killed, asked = set(), 0.0
+    while len(killed) < KILLS:
+        time.sleep(0.05)
+        if time.monotonic() > asked + 1:
+            if not still_running():
+                break
+            asked = time.monotonic()
         for record, pid in workers(folder).items():
-            if record in killed:
-                continue
-            with contextlib.suppress(ProcessLookupError):
-                os.kill(pid, signal.SIGKILL)
-                killed.add(record)
-            break
+            with contextlib.suppress(OSError):
+                if record not in killed and pathlib.Path(record).read_bytes().count(b"\n") >= 1 + len(killed):
+                    os.kill(pid, signal.SIGKILL)
+                    killed.add(record)
     return len(killed)
 
 
