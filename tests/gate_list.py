@@ -495,7 +495,7 @@ GATES = [
 ]
 
 # Where the processor has what the kernel takes.
-if "avx512_vbmi" in pathlib.Path("/proc/cpuinfo").read_text():
+if "avx512_vbmi2" in pathlib.Path("/proc/cpuinfo").read_text():
     GATES += [
         ("AVX-512: levels that are no halves taken for such", "hal/kernels/avx512/levels.hpp", "set32(last)) != 0;", "set32(last)) > 0xFFFF;", "kernels", "levels_that*", KERNELS),
         ("AVX-512: the last level that is a half taken for the next", "hal/kernels/avx512/levels.hpp", "exact_count() - 1) * (1", "exact_count() - 0) * (1", "kernels", "levels_that*", KERNELS),
@@ -524,8 +524,8 @@ if "avx512_vbmi" in pathlib.Path("/proc/cpuinfo").read_text():
         ("AVX-512: rows' sections without their ends", "hal/kernels/avx512/aniso.hpp", "_mm512_mask_add_epi32(_mm512_sub_epi32(middle, aside), 0xFF00, middle, aside)", "middle", "kernels", "random_planes*", KERNELS),
         ("AVX-512: means' halves up", "hal/kernels/avx512/aniso.hpp", "_mm512_mask_andnot_epi32(whole, tie,", "_mm512_mask_andnot_epi32(whole, 0 * tie,", "kernels", "random_planes*", KERNELS),
         ("AVX-512: directions turned by one", "hal/kernels/avx512/columns.hpp", "_mm512_movepi64_mask(across), of64<16>()", "_mm512_movepi64_mask(across), of64<17>()", "kernels", "random_planes*", KERNELS),
-        ("AVX-512: columns after the eighth from the first", "hal/kernels/avx512/filters.hpp", "return _mm512_mask_mov_epi8(half(0), second, half(1));", "return _mm512_mask_mov_epi8(half(0), second & 0, half(1));", "kernels", "turned_planes*", KERNELS),
-        ("AVX-512: the third block of columns left out", "hal/kernels/avx512/filters.hpp", "from.merged, block(c + 1))", "from.merged, block(1))", "kernels", "turned_planes*", KERNELS),
+        ("AVX-512: columns after the eighth from the first", "hal/kernels/avx512/filters.hpp", "return _mm512_mask_mov_epi8(half(0), s.second, half(1));", "return _mm512_mask_mov_epi8(half(0), s.second & 0, half(1));", "kernels", "turned_planes*", KERNELS),
+        ("AVX-512: the third block of columns left out", "hal/kernels/avx512/filters.hpp", "block(c + 1), from.shift)", "block(1), from.shift)", "kernels", "turned_planes*", KERNELS),
         ("AVX-512: rows after the eighth from the first", "hal/kernels/avx512/filters.hpp", "rows(0), s.index, rows(1))", "rows(0), s.index, rows(0))", "kernels", "turned_planes*", KERNELS),
         ("AVX-512: sections of 17 rows or columns", "hal/kernels/avx512/sections.hpp", "_mm512_mask_cmpgt_epi32_mask(two, size, of32<2 * block_side - 1>())", "_mm512_mask_cmpgt_epi32_mask(two, size, of32<2 * block_side>())", "kernels", "minified_planes*", KERNELS),
         ("AVX-512: rows shortened where samples are not", "hal/kernels/avx512/positions.hpp", "min_of(last_level, last_of_several_texels) - 27;", "last_level - 27;", "kernels", "turned_planes*", KERNELS),
@@ -537,7 +537,7 @@ if "avx512_vbmi" in pathlib.Path("/proc/cpuinfo").read_text():
         ("AVX-512: nine rows from eight", "hal/kernels/avx512/places.hpp", "__mmask8(more >> batch_size)", "0", "kernels", "random_planes*", KERNELS),
         ("AVX-512: any eight rows, the next block's left out", "hal/kernels/planar_map.cpp", "v[size_t(stack * stack_rows + n / block_side)]", "v[size_t(stack * stack_rows + n / block_side % stack_rows)]", "kernels", "random_planes*", KERNELS),
         ("AVX-512: rows beyond a clamped map", "hal/kernels/avx512/places.hpp", "const v16 at = place_of(held(begun));", "const v16 at = place_of(begun);", "kernels", "random_planes*", KERNELS),
-        ("AVX-512: coarse rows counted from the fine ones", "hal/kernels/avx512/places.hpp", "_mm256_slli_epi32(got(p.coarse.row[n]), 1)", "row", "kernels", "random_planes*", KERNELS),
+        ("AVX-512: coarse rows counted from the fine ones", "hal/kernels/avx512/places.hpp", "moved(row, s.row[n])", "moved(row, p.fine.row[n])", "kernels", "random_planes*", KERNELS),
         ("AVX-512: bits of offsets kept that do not fit", "hal/kernels/avx512/by_level.hpp", "if (p.excess[k] > 0) [[unlikely]]", "if (false)", "kernels", "random_planes*", KERNELS),
         ("AVX-512: nine columns from eight", "hal/kernels/avx512/places.hpp", ", __mmask8(more)};", ", 0};", "kernels", "random_planes*", KERNELS),
         ("AVX-512: flat quads written as square ones", "hal/kernels/avx512/filters.hpp", "if (how == cut::flat) {", "if (false) {", "kernels", "minified_planes*", KERNELS),
@@ -545,11 +545,20 @@ if "avx512_vbmi" in pathlib.Path("/proc/cpuinfo").read_text():
         ("AVX-512: levels of tall quads from the rows of flat ones", "hal/kernels/avx512/levels.hpp", "} else if (how == cut::flat) {", "} else if (true) {", "kernels", "random_planes*", KERNELS),
         ("AVX-512: corners of tall quads from square ones", "hal/kernels/avx512/quads.hpp", "{0, width - 1, 16 - width, 15}", "{0, 3, 12, 15}", "kernels", "random_planes*", KERNELS),
         ("AVX-512: tall quads' centres where square ones lie", "hal/kernels/avx512/quads.hpp", "right_x = 2 * x(1, 0);", "right_x = 8;", "kernels", "random_planes*", KERNELS),
-        ("AVX-512: rows of a span's sections counted from the base", "hal/kernels/avx512/positions.hpp", "_mm_sub_epi32(four(to), _mm_sllv_epi32(four(row), texel))", "four(to)", "kernels", "random_planes*", KERNELS),
-        ("AVX-512: rows of scaled levels' sections counted from the base", "hal/kernels/avx512/positions.hpp", "_mm_sub_epi32(four(from + quads), _mm_sllv_epi32(four(row), texel))", "four(from + quads)", "kernels", "levels_that_do_not_halve*", KERNELS),
+        ("AVX-512: rows of a span's sections counted from the base", "hal/kernels/avx512/positions.hpp", "begin_four(from_v + after * quads, row, texel);", "begin_four(from_v + after * quads, row, _mm_set1_epi32(32));", "kernels", "random_planes*", KERNELS),
+        ("AVX-512: rows of scaled levels' sections counted from the base", "hal/kernels/avx512/positions.hpp", "begin_four(from + quads, row, ", "if (false) begin_four(from + quads, row, ", "kernels", "levels_that_do_not_halve*", KERNELS),
+        ("AVX-512: columns of a span's sections counted from the base", "hal/kernels/avx512/positions.hpp", "begin_four(from_u + after * quads, column, texel);", "", "kernels", "random_planes*", KERNELS),
+        ("AVX-512: columns of spans placed together counted from the base", "hal/kernels/avx512/places.hpp", "_mm256_sub_epi32(from_u, _mm256_sllv_epi32(column, texel))", "from_u", "kernels", "random_planes*", KERNELS),
+        ("AVX-512: rows of two blocks not shifted", "hal/kernels/avx512/places.hpp", "put(s.shift[n], _mm256_slli_epi32(lower(first[n]), 3));", "put(s.shift[n], _mm256_setzero_si256());", "kernels", "random_planes*", KERNELS),
+        ("AVX-512: positions on the level after the next rounded as on the next", "hal/kernels/avx512/places.hpp", "before * ((1 << levels) - 1)", "before", "kernels", "random_planes*", KERNELS),
+        ("AVX-512: spans on three whole levels from two", "hal/kernels/avx512/levels.hpp", "(from >> q.level_bits) == 1;", "(from >> q.level_bits) >= 1;", "kernels", "random_planes*", KERNELS),
+        ("AVX-512: spans on two whole levels from their first pixel's", "hal/kernels/avx512/levels.hpp", "return _mm_cvtsi32_si128(from);", "return _mm512_castsi512_si128(level[0]);", "kernels", "random_planes*", KERNELS),
+        ("AVX-512: divided offsets with the bits of others", "hal/kernels/avx512/places.hpp", "_mm256_mask_mov_epi32(got(b.exponent), divided, _mm256_set1_epi32(q.coordinate_bits))", "_mm256_mask_mov_epi32(got(b.exponent), 0 * divided, _mm256_set1_epi32(q.coordinate_bits))", "kernels", "random_planes*", KERNELS),
+        ("AVX-512: sixteen rows of a coarse level from eight", "hal/kernels/avx512/places.hpp", "p.coarse_deep |= found.deep & ~without;", "(void)without;", "kernels", "random_planes*", KERNELS),
+        ("AVX-512: the sixteenth column's bit left in an index", "hal/kernels/avx512/filters.hpp", "_mm512_ternarylogic_epi32(_mm512_srli_epi16(index, 1), index,", "_mm512_ternarylogic_epi32(index, index,", "kernels", "turned_planes*", KERNELS),
         ("AVX-512: spans on several whole levels on one", "hal/kernels/avx512/levels.hpp", "_mm512_test_epi32_mask(differs, of32<-(1 << q.level_bits)>()) == 0;", "true;", "kernels", "random_planes*", KERNELS),
-        ("AVX-512: spans alone on a level that are not", "hal/kernels/avx512/levels.hpp", "!TwoLevels || _mm512_test_epi32_mask(any, of32<(1 << q.level_bits) - 1>()) == 0};", "true};", "kernels", "random_planes*", KERNELS),
-        ("AVX-512: positions on alike levels in more than 32 bits", "hal/kernels/avx512/places.hpp", "_mm256_add_epi32(got(b.exponent), coarse), _mm256_set1_epi32(27)", "_mm256_add_epi32(got(b.exponent), coarse), _mm256_set1_epi32(31)", "kernels", "random_planes*", KERNELS),
+        ("AVX-512: spans alone on a level that are not", "hal/kernels/avx512/levels.hpp", "alone = !TwoLevels || _mm512_test_epi32_mask(any, of32<(1 << q.level_bits) - 1>()) == 0;", "alone = true;", "kernels", "random_planes*", KERNELS),
+        ("AVX-512: positions on alike levels in more than 32 bits", "hal/kernels/avx512/places.hpp", "_mm256_add_epi32(given, coarse), _mm256_set1_epi32(27)", "_mm256_add_epi32(given, coarse), _mm256_set1_epi32(31)", "kernels", "random_planes*", KERNELS),
         ("AVX-512: texels in rows of 8 in more than 32 bits", "hal/kernels/avx512/places.hpp", "_mm256_set1_epi32(32 - 3)", "_mm256_set1_epi32(32 - 0)", "kernels", "sheared_and*", KERNELS),
         ("AVX-512: halves of two samples up", "hal/kernels/avx512/aniso.hpp", "_mm512_and_si512(_mm512_srli_epi32(t, 17), of32<1>())", "of32<1>()", "kernels", "random_planes*", KERNELS),
         ("AVX-512: rows' axes as if their signs were alike", "hal/kernels/avx512/aniso.hpp", "_mm512_mask_sub_epi32(dv, opposed,", "_mm512_mask_sub_epi32(dv, 0 * opposed,", "kernels", "random_planes*", KERNELS),

@@ -21,10 +21,10 @@
 
 // What the headers define stays compiled for any machine.
 #if defined(__clang__)
-#pragma clang attribute push(__attribute__((target("avx512f,avx512bw,avx512cd,avx512dq,avx512vl,avx512vbmi,avx512vnni"))), apply_to = function)
+#pragma clang attribute push(__attribute__((target("avx512f,avx512bw,avx512cd,avx512dq,avx512vl,avx512vbmi,avx512vbmi2,avx512vnni"))), apply_to = function)
 #else
 #pragma GCC push_options
-#pragma GCC target("avx512f,avx512bw,avx512cd,avx512dq,avx512vl,avx512vbmi,avx512vnni")
+#pragma GCC target("avx512f,avx512bw,avx512cd,avx512dq,avx512vl,avx512vbmi,avx512vbmi2,avx512vnni")
 #endif
 
 namespace spantex::kernels {
@@ -187,47 +187,39 @@ SPANTEX_INLINE void draw_batch(const row_work& work, const batch& b, uint32_t sp
 template <filter Kind, int Channels>
 SPANTEX_INLINE void draw_batch_on_levels(const row_work& work, const batch& b, uint32_t spans, next_batch<Kind>& next) {
   constexpr bool two = Kind == filter::trilinear;
-  level_span of[batch_size];
+  alignas(64) span_pixels of[batch_size];
+  v16 lengths[batch_size];
   batch_places places;
-  alignas(32) int32_t whole[batch_size] = {};
-  uint32_t scaled = 0, alike = 0, alone = 0;
-  const auto each = [](uint32_t some, auto&& step) SPANTEX_INLINED {
-    for (int k = 0; k < batch_size; ++k)
-      if (some >> k & 1) step(k);
-  };
-  each(spans & ~b.magnified, [&](int k) SPANTEX_INLINED { of[k].lengths = lengths_of(b, k); });
+  __m256i level = _mm256_setzero_si256();  // each span's least, as of its first pixel where that tells
+  uint32_t scaled = 0, alike = 0, alone = 0, crossing = 0;
+  for (int k = 0; k < batch_size; ++k)
+    if ((spans & ~b.magnified) >> k & 1) lengths[k] = lengths_of(b, k);
   const bool some_unlike = work.texels->levels_in_rows().exact_count() <= work.last_level;
-  each(0xFF, [&](int k) SPANTEX_INLINED {
-    if (k < plan_parts) next.part(k);
-    if (!(spans >> k & 1)) return;
-    offsets o = forms_of(b, k);
-    const slopes16 w(o.e);
-    evaluate(b, k, w, o);
-    take(o, of[k]);
-    if (b.magnified >> k & 1) {
-      for (v16& level : of[k].level) level = _mm512_setzero_si512();
-      alike |= 1u << k;
-      alone |= 1u << k;
-      return;
+  for (int k = 0; k < batch_size; ++k) {
+    __m128i least = _mm_setzero_si128();
+    bool all_alike = true, all_alone = true, next_too = false;
+    if ((spans & b.magnified) >> k & 1) {
+      take(offsets_of(b, k), of[k]);
+      for (v16& each : of[k].level) each = _mm512_setzero_si512();
+    } else if (spans >> k & 1) {
+      b.slope_log2[k] > most_level_slope_log2 ? find_pixels<true>(work, b, k, lengths[k], of[k]) : find_pixels<false>(work, b, k, lengths[k], of[k]);
+      if (some_unlike) scaled |= uint32_t(on_unlike_levels<two>(*work.texels, of[k].level)) << k;
+      least = common_level_of<two>(of[k].level, all_alike, all_alone);
+      if (!all_alike) [[unlikely]] least = least_level_of<two>(of[k].level, next_too);
     }
-    levels_of(work, of[k].lengths, b.slope_log2[k], b.series_drop[k], o.e, w, b.how, of[k].level);
-    if (some_unlike) scaled |= uint32_t(on_unlike_levels<two>(*work.texels, of[k].level)) << k;
-    const common_level common = common_level_of<two>(of[k].level);
-    whole[k] = common.whole;
-    alike |= uint32_t(common.alike) << k;
-    alone |= uint32_t(common.alone) << k;
-  });
-  spans &= ~scaled;
-  place_alike(work, b, spans & alike, alone, whole, places);
-  const uint32_t others = spans & ~places.placed;
-  each(others, [&](int k) SPANTEX_INLINED { place_span<two>(work, b, k, of[k]); });
-  each(spans & places.placed, [&](int k) SPANTEX_INLINED { blend_alike<two, Channels>(work, b, k, alone >> k & 1, of[k], places); });
-  each(others, [&](int k) SPANTEX_INLINED {
-    if (!blend_span<two, Channels>(work, b, k, of[k])) work.left[b.first + k] = true;
-  });
-  each(scaled, [&](int k) SPANTEX_INLINED {
-    if (!draw_at_scaled_levels<two, Channels>(work, b, k, of[k])) work.left[b.first + k] = true;
-  });
+    level = _mm256_alignr_epi32(_mm256_castsi128_si256(least), level, 1);
+    alike |= uint32_t(all_alike) << k;
+    alone |= uint32_t(all_alone) << k;
+    crossing |= uint32_t(next_too) << k;
+  }
+  place_spans<two>(work, b, spans & ~scaled & (alike | crossing), alone, crossing, _mm256_srai_epi32(level, q.level_bits), places);
+  for (int k = 0; k < batch_size; ++k) {
+    if (k < plan_parts) next.part(k);
+    if (places.placed >> k & 1) blend_placed<two, Channels>(work, b, k, alone >> k & 1, crossing >> k & 1, of[k], places);
+  }
+  spans &= ~places.placed;
+  for (int k = 0; spans >> k != 0; ++k)
+    if (spans >> k & 1) work.left[b.first + k] = !draw_alone<two, Channels>(work, b, k, scaled >> k & 1, of[k]);
 }
 
 // A batch is drawn while the next one is planned.
@@ -309,7 +301,7 @@ namespace spantex::kernels {
 row_kernel avx512_kernel() {
   const bool has = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512cd") &&
                    __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512vbmi") &&
-                   __builtin_cpu_supports("avx512vnni");
+                   __builtin_cpu_supports("avx512vbmi2") && __builtin_cpu_supports("avx512vnni");
   return has ? draw_any_row : nullptr;
 }
 

@@ -43,7 +43,7 @@ struct row_kernels { row_kernel nearest, bilinear, mip_bilinear, trilinear, anis
 void draw_by_filter(const row_kernels& kernels, const row_work& work);
 
 // Null where this machine has not what it takes.
-row_kernel avx512_kernel();  // AVX-512 F, BW, CD, DQ, VL, VBMI, VNNI
+row_kernel avx512_kernel();  // AVX-512 F, BW, CD, DQ, VL, VBMI, VBMI2, VNNI
 row_kernel avx2_kernel();    // AVX2, BMI, BMI2, LZCNT
 row_kernel sse41_kernel();   // SSE4.1
 row_kernel neon_kernel();    // arm64

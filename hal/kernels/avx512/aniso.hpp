@@ -41,14 +41,15 @@ SPANTEX_INLINE v16 look_up(const int32_t (&table)[16], v16 k) { return _mm512_pe
 
 // A span's rows: positions include the base, s15.16 as well as how far samples 2 k and 2 k + 1 lie to either side.
 struct row_span : level_span {
+  span_pixels own;
   v16 samples[quads];
   v16 along_u[most_samples / 2][quads], along_v[most_samples / 2][quads];
   int most;                           // samples
 
   SPANTEX_INLINE texels16 sample(int n, int k) const {
     const v16 du = along_u[k / 2][n], dv = along_v[k / 2][n];
-    if (k & 1) return {_mm512_add_epi32(u[n], du), _mm512_add_epi32(v[n], dv)};
-    return {_mm512_sub_epi32(u[n], du), _mm512_sub_epi32(v[n], dv)};
+    if (k & 1) return {_mm512_add_epi32(own.u[n], du), _mm512_add_epi32(own.v[n], dv)};
+    return {_mm512_sub_epi32(own.u[n], du), _mm512_sub_epi32(own.v[n], dv)};
   }
 };
 
@@ -132,18 +133,28 @@ template <taken Levels, int Channels, held_in Fine, bool Scaled = false>
 struct row_blender : blending<true> {
   SPANTEX_INLINE explicit row_blender(const uint8_t* of) : blending<true>(of) {}
 
-  SPANTEX_INLINE v16 operator()(const row_span& s, int n) const {
+  // A sample's position, and what is fetched on its fine level.
+  struct begun { texels16 at; samples fine; };
+  SPANTEX_INLINE begun begin(const row_span& s, int n, int k = 0) const {
+    const texels16 at = s.sample(n, k);
+    return {at, samples16<Fine>(from, snapped_on<Scaled, 0>(s, from, at.u, at.v, n))};
+  }
+
+  // The quad whose first sample is given; as quad_blender's.
+  SPANTEX_INLINE v16 finished(const row_span& s, int n, begun now, auto&& meanwhile) const {
     v16 sum[Channels] = {};
-    const v16 weights = as.level_weights(s.level[n]);
+    const v16 weights = as.level_weights(s.own.level[n]);
 #pragma GCC unroll 1
     for (int k = 0; k < s.most; ++k) {
-      const texels16 at = s.sample(n, k);
+      const texels16 at = now.at;
       v16 fine[Channels], coarse[Channels];
-      blended16(section_after<0, Fine>(blocks, s, n), samples16(from, snapped_on<Scaled, 0>(s, from, at.u, at.v, n)), rounding, fine, rounding);
+      blended16(section_after<0, Fine>(blocks, s, n), now.fine, rounding, fine, rounding);
       if constexpr (Levels == taken::all) {
         asm volatile("" ::: "memory");  // as in quad_blender
-        blended16(section_after<1, row_span::after<Fine>>(blocks, s, n), samples16(from, snapped_on<Scaled, 1>(s, from, at.u, at.v, n)), rounding, coarse, rounding);
+        blended16(section_after<1, row_span::after<Fine>>(blocks, s, n), samples16<row_span::after<Fine>>(from, snapped_on<Scaled, 1>(s, from, at.u, at.v, n)), rounding, coarse, rounding);
       }
+      if (k + 1 < s.most) now = begin(s, n, k + 1);
+      else meanwhile();
       const v16 counted = _mm512_maskz_mov_epi32(_mm512_cmpgt_epi32_mask(s.samples[n], set32(k)), weights);
 #pragma GCC unroll 4
       for (int m = 0; m < Channels; ++m) sum[m] = as.summed(sum[m], fine[m], Levels == taken::all ? coarse[m] : fine[m], counted);  // of one level, the other weight is 0
@@ -182,18 +193,18 @@ SPANTEX_INLINE bool draw_rows(const row_work& work, const batch& b, int k, const
     }
     beyond |= _mm512_cmpgt_epu32_mask(_mm512_or_si512(far_u[n], far_v[n]), of32<half_of_longest - 1>());
     const texels16 p = texels_of({o.u[n], o.v[n], Scaled ? b.origin_u[k] : b.base_u[k], Scaled ? b.origin_v[k] : b.base_v[k], o.bits, o.half});
-    s.u[n] = p.u;
-    s.v[n] = p.v;
+    s.own.u[n] = p.u;
+    s.own.v[n] = p.v;
   }
   if (beyond != 0) return false;
   s.bits = 16;
   s.half = 0;
-  const v16 aside = _mm512_mask_mov_epi32(of_each_quad<larger>(far_u), 0xF0F0, of_each_quad<larger>(far_v)), middle = reach_of(s.u, s.v, 16, 0, 0, b.how);
+  const v16 aside = _mm512_mask_mov_epi32(of_each_quad<larger>(far_u), 0xF0F0, of_each_quad<larger>(far_v)), middle = reach_of(s.own.u, s.own.v, 16, 0, 0, b.how);
   const v16 reach = _mm512_mask_add_epi32(_mm512_sub_epi32(middle, aside), 0xFF00, middle, aside);
   static_assert(16 + last_of_several_texels <= 27, "no position is shortened");
   place<true, Scaled>(*work.texels, work.last_level, 0, 0, reach, s, Scaled ? turns_of(*work.texels, b, k) : v16{});
   for (int n = 0; s.crossing && n < quads; ++n)
-    if (_mm512_cmpneq_epi32_mask(whole_of<true>(s.level[n]), set32(s.first_level[n])) != 0) s.fit &= ~(1u << n);
+    if (_mm512_cmpneq_epi32_mask(whole_of<true>(s.own.level[n]), set32(s.first_level[n])) != 0) s.fit &= ~(1u << n);
   const auto by_width = [&]<taken Levels>() SPANTEX_INLINED {
     switch (s.fine_in) {
       case held_in::shallow: return blend_rows<Levels, Channels, held_in::shallow, Scaled>(work, b, k, s);
@@ -213,6 +224,7 @@ template <int Channels>
 SPANTEX_INLINE bool draw_aniso(const row_work& work, const batch& b, int k) {
   const bool flat = b.level >> k & 1;
   row_span span;
+  span.pixels = &span.own;
   offsets o = offsets_of(b, k);
   for (v16& e : o.e) e = slope_of(e, b.slope_log2[k]);
   v16 nu[quads], nv[quads], largest = _mm512_setzero_si512();
@@ -222,14 +234,16 @@ SPANTEX_INLINE bool draw_aniso(const row_work& work, const batch& b, int k) {
 #pragma GCC unroll 4
   for (int n = 0; n < quads; ++n) {
     v16 ratio;
-    shapes_of(nu[n], nv[n], o.e[n], b.axis_exponent[k], b.area_log2[k], flat, work, span.level[n], ratio);
+    shapes_of(nu[n], nv[n], o.e[n], b.axis_exponent[k], b.area_log2[k], flat, work, span.own.level[n], ratio);
     span.samples[n] = samples_of(ratio);
     largest = _mm512_max_epi32(largest, ratio);
     if (some_take(of32<least_ratio_of(most_samples + 1)>())) return false;
   }
-  const bool scaled = on_unlike_levels<true>(*work.texels, span.level);
+  const bool scaled = on_unlike_levels<true>(*work.texels, span.own.level);
   if (!some_take(of32<least_ratio_of(2)>())) {
-    take(o, span);
+    take(o, span.own);
+    span.bits = o.bits;
+    span.half = o.half;
     return scaled ? draw_at_scaled_levels<true, Channels>(work, b, k, span) : draw_at_levels<true, Channels>(work, b, k, span);
   }
   span.most = some_take(of32<least_ratio_of(4)>()) ? 4 : some_take(of32<least_ratio_of(3)>()) ? 3 : 2;

@@ -2,12 +2,12 @@
 // AVX-512 kernel: spans on their levels of detail. Included by ../avx512.cpp alone.
 #pragma once
 
+// A span whose quads' sections are placed from its pixels.
 struct level_span {
   template <held_in Fine> static constexpr held_in after = Fine == held_in::shallow ? held_in::shallow : held_in::narrow;  // texels of the levels after the fine one
   template <int After> static constexpr int more_bits = 0;  // of fraction, of snapped positions on a level
-  v16 lengths;                        // lengths16()
-  v16 u[quads], v[quads];             // offsets
-  v16 level[quads];                   // of detail, 2^-8
+  SPANTEX_INLINE int32_t first_of(int n) const { return first_level[n]; }
+  span_pixels* pixels;
   int bits;                           // of the offsets
   uint32_t half;
   snapping at;
@@ -20,24 +20,16 @@ struct level_span {
   bool one_level;                     // no pixel takes anything from its coarse level
 };
 
-SPANTEX_INLINE void take(const offsets& o, level_span& s) {
-#pragma GCC unroll 4
-  for (int n = 0; n < quads; ++n) {
-    s.u[n] = o.u[n];
-    s.v[n] = o.v[n];
-  }
-  s.bits = o.bits;
-  s.half = o.half;
-}
-
-// A span whose pixels are all on one whole level, as place_alike() left it.
-struct alike_span {
-  const v16 (&u)[quads], (&v)[quads], (&level)[quads];
+// A span that place_spans() placed. Deep: so are its coarser levels.
+template <bool Deep>
+struct placed_span {
+  const span_pixels* pixels;
   const batch_places& at;
   int k;
   static constexpr uint32_t fit = 0xF;
-  template <held_in> static constexpr held_in after = held_in::shallow;
+  template <held_in> static constexpr held_in after = Deep ? held_in::narrow : held_in::shallow;
   template <int After> static constexpr int more_bits = After + 1;
+  SPANTEX_INLINE int32_t first_of(int) const { return at.level[k]; }
 };
 
 // Whole levels of pixels.
@@ -95,7 +87,8 @@ SPANTEX_INLINE v16 scale_ends(const planar_map& map, v16 reach, v16 level, v16 t
 template <bool TwoLevels, bool Scaled = false>
 SPANTEX_INLINE void place(const planar_map& map, int32_t last_level, int32_t base_u, int32_t base_v, v16 reach, level_span& s, v16 turns = v16{}) {
   const v16 last = set32(last_level);
-  const v16 whole[quads] = {whole_of<TwoLevels>(s.level[0]), whole_of<TwoLevels>(s.level[1]), whole_of<TwoLevels>(s.level[2]), whole_of<TwoLevels>(s.level[3])};
+  const v16 (&detail)[quads] = s.pixels->level;
+  const v16 whole[quads] = {whole_of<TwoLevels>(detail[0]), whole_of<TwoLevels>(detail[1]), whole_of<TwoLevels>(detail[2]), whole_of<TwoLevels>(detail[3])};
   const auto first_of = [](v16 x) { return _mm512_broadcastd_epi32(_mm512_castsi512_si128(x)); };
   const auto differs = [&](int n) { return _mm512_cmpneq_epi32_mask(whole[n], first_of(whole[n])); };
   const auto further = [&](v16 level) { return _mm512_min_epi32(_mm512_add_epi32(level, of32<1>()), last); };
@@ -105,17 +98,17 @@ SPANTEX_INLINE void place(const planar_map& map, int32_t last_level, int32_t bas
   const v16 coarse_level = further(fine_level);
   _mm_store_si128(reinterpret_cast<__m128i*>(s.first_level), _mm512_castsi512_si128(fine_level));
   if constexpr (!Scaled) {
-    shorten(last_level, s.u, s.v, s.bits, s.half);
+    shorten(last_level, s.pixels->u, s.pixels->v, s.bits, s.half);
     s.at.take_two(s.bits, s.half, base_u, base_v, _mm256_set_m128i(_mm512_castsi512_si128(coarse_level), _mm512_castsi512_si128(fine_level)));
   }
   const auto find = [&]<bool Broad>(v16 level, int after, span_sections& out) SPANTEX_INLINED {
     find_sections<Broad>(map, Scaled ? scale_ends(map, reach, level, turns, s.scaled[after]) : end_texels(reach, level), level, out);
-    Scaled ? s.scaled[after].begin_at(out.row) : s.at.begin_at(out.row, after);
+    Scaled ? s.scaled[after].begin_at(out.column, out.row) : s.at.begin_at(out.column, out.row, after);
   };
   find.template operator()<true>(fine_level, 0, s.fine);
   s.fit = s.fine.fit;
   bool deep = s.fine.deep;
-  s.one_level = TwoLevels && !s.crossing && _mm512_test_epi32_mask(_mm512_or_si512(_mm512_or_si512(s.level[0], s.level[1]), _mm512_or_si512(s.level[2], s.level[3])), of32<255>()) == 0;
+  s.one_level = TwoLevels && !s.crossing && _mm512_test_epi32_mask(_mm512_or_si512(_mm512_or_si512(detail[0], detail[1]), _mm512_or_si512(detail[2], detail[3])), of32<255>()) == 0;
   if (!s.one_level && (TwoLevels || s.crossing)) {
     find.template operator()<false>(coarse_level, 1, s.coarse);
     s.fit &= s.coarse.fit;
@@ -134,11 +127,6 @@ SPANTEX_INLINE void place(const planar_map& map, int32_t last_level, int32_t bas
     if (_mm512_cmpgt_epi32_mask(whole[n], set32(s.first_level[n] + 1)) != 0) s.fit &= ~(1u << n);
 }
 
-template <bool TwoLevels>
-SPANTEX_INLINE void place_span(const row_work& work, const batch& b, int k, level_span& s) {
-  place<TwoLevels>(*work.texels, work.last_level, b.base_u[k], b.base_v[k], reach_of(s.u, s.v, s.bits, b.base_u[k], b.base_v[k], b.how), s);
-}
-
 // The whole periods before a span's base, in the lanes of either axis.
 SPANTEX_INLINE v16 turns_of(const planar_map& map, const batch& b, int k) {
   const auto turns = [](int32_t origin, int32_t base, int32_t period) { return period == 0 ? 0 : (origin - base) / period; };
@@ -150,11 +138,12 @@ template <bool TwoLevels>
 SPANTEX_INLINE void place_scaled_span(const row_work& work, const batch& b, int k, level_span& s) {
 #pragma GCC unroll 4
   for (int n = 0; n < quads; ++n) {
-    const texels16 p = texels_of({s.u[n], s.v[n], b.origin_u[k], b.origin_v[k], s.bits, s.half});
-    s.u[n] = p.u;
-    s.v[n] = p.v;
+    v16 &u = s.pixels->u[n], &v = s.pixels->v[n];
+    const texels16 p = texels_of({u, v, b.origin_u[k], b.origin_v[k], s.bits, s.half});
+    u = p.u;
+    v = p.v;
   }
-  place<TwoLevels, true>(*work.texels, work.last_level, 0, 0, reach_of(s.u, s.v, 16, 0, 0, b.how), s, turns_of(*work.texels, b, k));
+  place<TwoLevels, true>(*work.texels, work.last_level, 0, 0, reach_of(s.pixels->u, s.pixels->v, 16, 0, 0, b.how), s, turns_of(*work.texels, b, k));
 }
 
 // What a span's quads take: one level, no pixel any other; or as many as the filter takes; or one more, as some quad's pixels lie on two whole levels.
@@ -177,27 +166,26 @@ SPANTEX_INLINE v16 snapped_on(const level_span& s, const C& c, v16 u, v16 v, int
   if constexpr (Scaled) return s.scaled[After].at(c, u, v, n);
   else return s.at.at(c, u, v, n + After * quads);
 }
-template <bool Scaled, int After, class C>
-SPANTEX_INLINE v16 snapped_on(const alike_span& s, const C& c, v16 u, v16 v, int n) {
+template <bool Scaled, int After, class C, bool Deep>
+SPANTEX_INLINE v16 snapped_on(const placed_span<Deep>& s, const C& c, v16 u, v16 v, int n) {
   static_assert(After == 0 && !Scaled);
   const batch_places& p = s.at;
-  return snapped_by(c, u, v, p.from_u[s.k], p.from_v[n][s.k], p.drop[s.k], p.turn[s.k]);
+  return snapped_by(c, u, v, p.from_u[n][s.k], p.from_v[n][s.k], p.drop[s.k], p.turn[s.k]);
 }
 
 // The same where those on the fine level are known.
 template <bool Scaled, int After, class C>
 SPANTEX_INLINE v16 snapped_after(const level_span& s, const C& c, v16 u, v16 v, v16, int n) { return snapped_on<Scaled, After>(s, c, u, v, n); }
-template <bool Scaled, int After, class C>
-SPANTEX_INLINE v16 snapped_after(const alike_span& s, const C&, v16, v16, v16 fine, int n) {
-  static_assert(After == 1);
-  return _mm512_add_epi16(fine, set32(s.at.to_coarse[n][s.k]));
+template <bool Scaled, int After, class C, bool Deep>
+SPANTEX_INLINE v16 snapped_after(const placed_span<Deep>& s, const C&, v16, v16, v16 fine, int n) {
+  return _mm512_add_epi16(fine, set32((After == 1 ? s.at.to_coarse : s.at.to_next)[n][s.k]));
 }
 
 // Their sections.
 template <int After, held_in Where>
 SPANTEX_INLINE auto section_after(const uint8_t* blocks, const level_span& s, int n) { return section_of<Where>(blocks, After == 0 ? s.fine : After == 1 ? s.coarse : s.next, n); }
-template <int After, held_in Where>
-SPANTEX_INLINE auto section_after(const uint8_t* blocks, const alike_span& s, int n) { return section_of<Where>(blocks, After == 0 ? s.at.fine : s.at.coarse, s.k, n); }
+template <int After, held_in Where, bool Deep>
+SPANTEX_INLINE auto section_after(const uint8_t* blocks, const placed_span<Deep>& s, int n) { return section_of<Where>(blocks, After == 0 ? s.at.fine : After == 1 ? s.at.coarse : s.at.next, s.k, n); }
 
 // How a span's quads are drawn. Whether the fine sections are as narrow as the coarse ones is much the same from one span to the next.
 template <bool TwoLevels, taken Levels, int Channels, held_in Fine, bool Scaled = false>
@@ -205,27 +193,29 @@ struct quad_blender : blending<TwoLevels> {
   SPANTEX_INLINE explicit quad_blender(const uint8_t* of) : blending<TwoLevels>(of) {}
   using blending<TwoLevels>::up, blending<TwoLevels>::blocks, blending<TwoLevels>::from, blending<TwoLevels>::as, blending<TwoLevels>::rounding, blending<TwoLevels>::of_last;
 
+  // A quad's positions on its fine level, and what is fetched there.
+  struct begun { v16 at; samples fine; };
   template <class Span>
-  SPANTEX_INLINE v16 operator()(const Span& s, int n) const {
-    const v16 u = s.u[n], v = s.v[n], level = s.level[n];
-    const v16 at = snapped_on<Scaled, 0>(s, from, u, v, n);
-    v16 fine[Channels];
-    blended16(section_after<0, Fine>(blocks, s, n), samples16<Span::template more_bits<0>>(from, at), rounding, fine, of_last);
-    return finished(s, n, u, v, at, level, fine);
+  SPANTEX_INLINE begun begin(const Span& s, int n) const {
+    const v16 at = snapped_on<Scaled, 0>(s, from, s.pixels->u[n], s.pixels->v[n], n);
+    return {at, samples16<Fine, Span::template more_bits<0>>(from, at)};
   }
 
-  // The fine level's positions and colours given.
+  // The rest; in its midst there is time for something else.
   template <class Span>
-  SPANTEX_INLINE v16 finished(const Span& s, int n, v16 u, v16 v, v16 at, v16 level, v16 (&fine)[Channels]) const {
-    v16 coarse[Channels];
-    if constexpr (Levels == taken::more || (TwoLevels && Levels == taken::all)) blended_on<1>(s, n, u, v, at, coarse);
+  SPANTEX_INLINE v16 finished(const Span& s, int n, const begun& now, auto&& meanwhile) const {
+    const v16 level = s.pixels->level[n];
+    v16 fine[Channels], coarse[Channels];
+    blended16(section_after<0, Fine>(blocks, s, n), now.fine, rounding, fine, of_last);
+    if constexpr (Levels == taken::more || (TwoLevels && Levels == taken::all)) blended_on<1>(s, n, s.pixels->u[n], s.pixels->v[n], now.at, coarse);
+    meanwhile();
     if constexpr (Levels == taken::more) {
-      const __mmask16 second = _mm512_cmpneq_epi32_mask(whole_of<TwoLevels>(level), set32(s.first_level[n]));
+      const __mmask16 second = _mm512_cmpneq_epi32_mask(whole_of<TwoLevels>(level), set32(s.first_of(n)));
 #pragma GCC unroll 4
       for (int m = 0; m < Channels; ++m) fine[m] = _mm512_mask_mov_epi32(fine[m], second, coarse[m]);
       if constexpr (TwoLevels) {
         v16 next[Channels];
-        blended_on<2>(s, n, u, v, at, next);
+        blended_on<2>(s, n, s.pixels->u[n], s.pixels->v[n], now.at, next);
 #pragma GCC unroll 4
         for (int m = 0; m < Channels; ++m) coarse[m] = _mm512_mask_mov_epi32(coarse[m], second, next[m]);
       }
@@ -244,7 +234,8 @@ struct quad_blender : blending<TwoLevels> {
   template <int After, class Span>
   SPANTEX_INLINE void blended_on(const Span& s, int n, v16 u, v16 v, v16 at, v16 (&out)[Channels]) const {
     asm volatile("" ::: "memory");
-    blended16(section_after<After, Span::template after<Fine>>(blocks, s, n), samples16<Span::template more_bits<After>>(from, snapped_after<Scaled, After>(s, from, u, v, at, n)), rounding, out, of_last);
+    constexpr held_in where = Span::template after<Fine>;
+    blended16(section_after<After, where>(blocks, s, n), samples16<where, Span::template more_bits<After>>(from, snapped_after<Scaled, After>(s, from, u, v, at, n)), rounding, out, of_last);
   }
 };
 
@@ -253,9 +244,14 @@ template <class Blender, class Span>
 SPANTEX_INLINE void write_quads(const uint8_t* blocks, const Span& s, cut how, rgba8* row, int64_t stride) {
   Blender blended(blocks);
   v16 columns[quads];  // tall ones
+  auto now = blended.begin(s, 0);  // one quad is begun while another's colours are waited for
 #pragma GCC unroll 1
   for (int n = 0; n < quads; n += 2) {
-    const v16 first = blended(s, n), second = blended(s, n + 1);
+    auto next = now;
+    const v16 first = blended.finished(s, n, now, [&]() SPANTEX_INLINED { next = blended.begin(s, n + 1); });
+    const v16 second = blended.finished(s, n + 1, next, [&]() SPANTEX_INLINED {
+      if (n + 2 < quads) now = blended.begin(s, n + 2);
+    });
     rgba8* const to = row + n * 2 * stride;
     if (how == cut::square) {
       write_half(to, stride, first, second);
@@ -275,7 +271,7 @@ SPANTEX_INLINE void blend_quads(const uint8_t* blocks, const Span& s, uint32_t s
   Blender blended(blocks);
 #pragma GCC unroll 1
   for (int n = 0; n < quads; ++n)
-    if (some >> n & 1) out[n] = blended(s, n);
+    if (some >> n & 1) out[n] = blended.finished(s, n, blended.begin(s, n), []() SPANTEX_INLINED {});
 }
 
 // Quads with pixels in a mask.
@@ -285,21 +281,27 @@ SPANTEX_INLINE uint32_t quads_of(span_mask mask, cut how) {
   return in;
 }
 
-// False where a quad's sections are not here.
+// Those of a span that is not wanted whole, or whose quads are not all here. False where one that is wanted is not. Seldom called: inlined it would be in the way of what is.
 template <class Blender, class Span>
-SPANTEX_INLINE bool blend_span(const row_work& work, const batch& b, int k, const Span& s) {
+[[gnu::noinline]] bool blend_some(const row_work& work, const batch& b, int k, Span s) {
   const span_mask mask = work.masks[b.first + k];
-  const uint8_t* const blocks = work.texels->blocks();
-  if (mask == ~span_mask(0) && s.fit == 0xF) [[likely]] {
-    write_quads<Blender>(blocks, s, b.how, first_of_span(work, b.sx + k), work.stride);
-    return true;
-  }
   const uint32_t wanted = quads_of(mask, b.how);
   if ((wanted & ~s.fit) != 0) return false;
   v16 out[quads];
-  blend_quads<Blender>(blocks, s, wanted, out);
+  blend_quads<Blender>(work.texels->blocks(), s, wanted, out);
   write(work, b.sx + k, mask, out, b.how);
   return true;
+}
+
+// False where a quad's sections are not here.
+template <class Blender, class Span>
+SPANTEX_INLINE bool blend_span(const row_work& work, const batch& b, int k, const Span& s) {
+  if (work.masks[b.first + k] == ~span_mask(0) && s.fit == 0xF) [[likely]] {
+    write_quads<Blender>(work.texels->blocks(), s, b.how, first_of_span(work, b.sx + k), work.stride);
+    return true;
+  }
+  using given = std::conditional_t<sizeof(Span) <= 32, Span, const Span&>;
+  return blend_some<Blender, given>(work, b, k, s);
 }
 
 template <bool TwoLevels, int Channels, bool Scaled = false>
@@ -318,14 +320,30 @@ SPANTEX_INLINE bool blend_span(const row_work& work, const batch& b, int k, cons
   return s.one_level ? by_width.template operator()<taken::one>() : by_width.template operator()<taken::all>();
 }
 
+template <bool TwoLevels, int Channels, taken Levels, held_in Fine, bool Deep>
+SPANTEX_INLINE void blend_placed(const row_work& work, const batch& b, int k, const span_pixels& pixels, const batch_places& p) {
+  blend_span<quad_blender<TwoLevels, Levels, Channels, Fine>>(work, b, k, placed_span<Deep>{&pixels, p, k});
+}
+
+// Those that are on two whole levels, or have coarser levels' sections of more than eight rows. Seldom called: see blend_some().
 template <bool TwoLevels, int Channels>
-SPANTEX_INLINE void blend_alike(const row_work& work, const batch& b, int k, bool alone, level_span& s, const batch_places& p) {
-  if (p.excess[k] > 0) [[unlikely]] drop_bits(p.excess[k], s.u, s.v);
-  const auto blended = [&]<taken Levels, held_in Fine>() SPANTEX_INLINED {
-    blend_span<quad_blender<TwoLevels, Levels, Channels, Fine>>(work, b, k, alike_span{s.u, s.v, s.level, p, k});
+[[gnu::noinline]] void blend_unlike(const row_work& work, const batch& b, int k, bool crossing, const span_pixels& pixels, const batch_places& p) {
+  const bool broad = p.broad >> k & 1;
+  const auto with_deep = [&]<taken Levels>() SPANTEX_INLINED {
+    broad ? blend_placed<TwoLevels, Channels, Levels, held_in::full, true>(work, b, k, pixels, p) : blend_placed<TwoLevels, Channels, Levels, held_in::narrow, true>(work, b, k, pixels, p);
   };
+  if (!crossing) with_deep.template operator()<taken::all>();
+  else if (broad || ((p.deep | p.coarse_deep) >> k & 1)) with_deep.template operator()<taken::more>();
+  else blend_placed<TwoLevels, Channels, taken::more, held_in::shallow, false>(work, b, k, pixels, p);
+}
+
+template <bool TwoLevels, int Channels>
+SPANTEX_INLINE void blend_placed(const row_work& work, const batch& b, int k, bool alone, bool crossing, span_pixels& pixels, const batch_places& p) {
+  if (p.excess[k] > 0) [[unlikely]] drop_bits(p.excess[k], pixels.u, pixels.v);
+  if (crossing || (p.coarse_deep >> k & 1)) [[unlikely]] return blend_unlike<TwoLevels, Channels>(work, b, k, crossing, pixels, p);
+  const bool deep = p.deep >> k & 1, broad = p.broad >> k & 1;
+  const auto blended = [&]<taken Levels, held_in Fine>() SPANTEX_INLINED { blend_placed<TwoLevels, Channels, Levels, Fine, false>(work, b, k, pixels, p); };
   const auto by_width = [&]<taken Levels>() SPANTEX_INLINED {
-    const bool deep = p.deep >> k & 1, broad = p.broad >> k & 1;
     if (deep) broad ? blended.template operator()<Levels, held_in::full>() : blended.template operator()<Levels, held_in::narrow>();
     else broad ? blended.template operator()<Levels, held_in::broad>() : blended.template operator()<Levels, held_in::shallow>();
   };
@@ -342,6 +360,16 @@ template <bool TwoLevels, int Channels>
 // Pixels whose positions and levels are known.
 template <bool TwoLevels, int Channels>
 SPANTEX_INLINE bool draw_at_levels(const row_work& work, const batch& b, int k, level_span& s) {
-  place_span<TwoLevels>(work, b, k, s);
+  place<TwoLevels>(*work.texels, work.last_level, b.base_u[k], b.base_v[k], reach_of(s.pixels->u, s.pixels->v, s.bits, b.base_u[k], b.base_v[k], b.how), s);
   return blend_span<TwoLevels, Channels>(work, b, k, s);
+}
+
+// A span that was not placed with those of its batch.
+template <bool TwoLevels, int Channels>
+[[gnu::noinline]] bool draw_alone(const row_work& work, const batch& b, int k, bool scaled, span_pixels& pixels) {
+  level_span s;
+  s.pixels = &pixels;
+  s.bits = bits_of(b, k);
+  s.half = half_of(s.bits);
+  return scaled ? draw_at_scaled_levels<TwoLevels, Channels>(work, b, k, s) : draw_at_levels<TwoLevels, Channels>(work, b, k, s);
 }

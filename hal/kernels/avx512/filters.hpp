@@ -8,8 +8,8 @@ template <int Channels> constexpr bool with_alpha(int channel) { return Channels
 
 // Addresses and weights of sixteen pixels on one level, four bytes a pixel: texels (0,0) (1,0) (0,1) (1,1).
 struct samples {
-  v16 index;           // row of 16 (or of 32), column of 8: what a byte permute of two registers takes
-  v16 column;
+  v16 index;           // column, 8 row: what a byte permute of two registers takes
+  __mmask64 second;    // of broad sections: those that lie in the second eight columns
   v16 u, v;            // weights: 128 - f, f of 128 in bytes; the same of 2^(7 + Up) in words
 };
 
@@ -20,8 +20,9 @@ constexpr int64_t fields(int64_t offsets_of_a_pixel) { return offsets_of_a_pixel
 template <int Up, int More>
 struct sample_fields {
   static constexpr int64_t from = 16 + More - Up;
-  SPANTEX_INLINE static v16 x() { return of64<fields(0x01010101 * (7 + More))>(); }
-  SPANTEX_INLINE static v16 y() { return of64<fields(0x01010101 * (20 + More))>(); }
+  SPANTEX_INLINE static v16 fractions() { return of32<0x007F007F << More>(); }
+  SPANTEX_INLINE static v16 texels() { return of32<0x07800780 << More>(); }
+  SPANTEX_INLINE static v16 texel() { return of64<fields(0x01010101 * (7 + More))>(); }
   SPANTEX_INLINE static v16 u() { return of64<fields(0x01010101 * More)>(); }
   SPANTEX_INLINE static v16 v() { return of64<fields(from | (from + 8) << 8 | from << 16 | (from + 8) << 24)>(); }
 };
@@ -29,59 +30,58 @@ struct sample_fields {
 // What all samples take, made once, so that it stays in registers: compilers make constants anew where they are needed.
 template <int Up>
 struct sampling {
-  v16 next_x, next_y, x_bits, u_bits, all_u, v_bits, all_v;
+  v16 next, all_u, all_v, row;
   __mmask64 even;  // bytes or words
   SPANTEX_INLINE sampling() {
-    constexpr int32_t weights = 0x7F << Up, all = 128 << Up;
-    next_x = of32<0x01000100>();
-    next_y = of32<0x08080000>();
-    x_bits = of32<0x07070707>();
-    u_bits = of32<0x7F7F7F7F>();
+    constexpr int32_t all = 128 << Up;
+    next = of32<0x09080100>();
     all_u = of32<int32_t(0x80808080)>();
-    v_bits = of32<weights | weights << 16>();
     all_v = of32<all | all << 16>();
+    row = of32<0x00080001>();
     __mmask64 every_other = 0x5555555555555555;
     asm("" : "+k"(every_other));
     even = every_other;
   }
 };
 
-template <int More = 0, int Up>
+template <held_in Where, int More = 0, int Up>
 SPANTEX_INLINE samples samples16(const sampling<Up>& c, v16 at) {
   using fields_of = sample_fields<Up, More>;
   samples s;
-  const v16 x = _mm512_add_epi8(_mm512_multishift_epi64_epi8(fields_of::x(), at), c.next_x);
-  const v16 y = _mm512_add_epi8(_mm512_multishift_epi64_epi8(fields_of::y(), at), c.next_y);  // times 8, three bits of fraction below
-  s.index = _mm512_ternarylogic_epi32(y, x, c.x_bits, 0xD8);
-  s.column = x;
-  const v16 fu4 = _mm512_and_si512(_mm512_multishift_epi64_epi8(fields_of::u(), at), c.u_bits);
-  s.u = _mm512_mask_sub_epi8(fu4, c.even, c.all_u, fu4);
-  const v16 fv = _mm512_and_si512(_mm512_multishift_epi64_epi8(fields_of::v(), at), c.v_bits);
-  s.v = _mm512_mask_sub_epi16(fv, __mmask32(c.even), c.all_v, fv);
+  const v16 texels = _mm512_and_si512(at, fields_of::texels()), fractions = _mm512_and_si512(at, fields_of::fractions());
+  if constexpr (is_broad(Where)) {  // 16 columns: their uppermost bit is no part of the index
+    const v16 index = _mm512_add_epi8(_mm512_multishift_epi64_epi8(fields_of::texel(), _mm512_madd_epi16(texels, of32<0x00100001>())), of32<0x11100100>());
+    s.index = _mm512_ternarylogic_epi32(_mm512_srli_epi16(index, 1), index, of32<0x07070707>(), 0xD8);
+    s.second = _mm512_test_epi8_mask(index, of32<0x08080808>());
+  } else {
+    s.index = _mm512_add_epi8(_mm512_multishift_epi64_epi8(fields_of::texel(), _mm512_madd_epi16(texels, c.row)), c.next);
+    s.second = 0;
+  }
+  const v16 u = _mm512_multishift_epi64_epi8(fields_of::u(), fractions), v = _mm512_multishift_epi64_epi8(fields_of::v(), fractions);
+  s.u = _mm512_mask_sub_epi8(u, c.even, c.all_u, u);
+  s.v = _mm512_mask_sub_epi16(v, __mmask32(c.even), c.all_v, v);
   return s;
 }
 
-// One channel's texels, four a pixel. second: those that lie eight columns and more from the first one.
+// One channel's texels, four a pixel.
 template <held_in Where>
-SPANTEX_INLINE v16 fetch16(const quad_section<Where>& from, int channel, const samples& s, __mmask64 second) {
+SPANTEX_INLINE v16 fetch16(const quad_section<Where>& from, int channel, const samples& s) {
   const auto half = [&](int c) SPANTEX_INLINED {
     const auto rows = [&](int r) SPANTEX_INLINED {
-      const auto block = [&](int at) SPANTEX_INLINED { return from.at[at][r] + channel * channel_bytes; };
-      return _mm512_mask_loadu_epi8(_mm512_loadu_si512(block(c)), from.merged, block(c + 1));
+      const auto block = [&](int at) SPANTEX_INLINED { return _mm512_loadu_si512(from.at[at][r] + channel * channel_bytes); };
+      return _mm512_shrdv_epi64(block(c), block(c + 1), from.shift);
     };
     if constexpr (quad_section<Where>::eights == 1) return _mm512_permutexvar_epi8(s.index, rows(0));
     else return _mm512_permutex2var_epi8(rows(0), s.index, rows(1));
   };
-  if constexpr (is_broad(Where)) return _mm512_mask_mov_epi8(half(0), second, half(1));
+  if constexpr (is_broad(Where)) return _mm512_mask_mov_epi8(half(0), s.second, half(1));
   else return half(0);
 }
 
 template <held_in Where, int Channels>
 SPANTEX_INLINE void blended16(const quad_section<Where>& at, const samples& s, v16 rounding, v16 (&out)[Channels], v16 of_last) {
-  __mmask64 second = 0;
-  if constexpr (is_broad(Where)) second = _mm512_test_epi8_mask(_mm512_sub_epi8(s.column, _mm512_set1_epi8(int8_t(at.column))), of32<0x08080808>());
 #pragma GCC unroll 4
-  for (int m = 0; m < Channels; ++m) out[m] = _mm512_dpwssd_epi32(with_alpha<Channels>(m) ? of_last : rounding, _mm512_maddubs_epi16(s.u, fetch16(at, m, s, second)), s.v);
+  for (int m = 0; m < Channels; ++m) out[m] = _mm512_dpwssd_epi32(with_alpha<Channels>(m) ? of_last : rounding, _mm512_maddubs_epi16(s.u, fetch16(at, m, s)), s.v);
 }
 
 constexpr int32_t before_even = 0x7FFF;
@@ -90,7 +90,8 @@ constexpr int up_of_one = 2, up_between = 1;  // what makes 16 bits of fraction,
 // What all colours take: likewise.
 struct colouring {
   v16 half, half_of_last, one, to_upper, level_words, level_signs, level_all;
-  __mmask64 upper_words;
+  v16 from_third;
+  __mmask64 upper_words, first_bytes, second_bytes;
   SPANTEX_INLINE colouring() {
     half = of32<before_even>();
     one = of32<0x10000>();
@@ -102,6 +103,11 @@ struct colouring {
     level_words = held(_mm512_broadcast_i32x4(_mm_setr_epi8(0, -1, 0, -1, 4, -1, 4, -1, 8, -1, 8, -1, 12, -1, 12, -1)));
     level_signs = of32<0x0002FFFE>();
     level_all = of32<512>();
+    __mmask64 first = 0x1111111111111111, second = 0x2222222222222222;
+    asm("" : "+k"(first), "+k"(second));
+    first_bytes = first;
+    second_bytes = second;
+    from_third = held(_mm512_broadcast_i32x4(_mm_setr_epi8(2, 2, -1, -1, 6, 6, -1, -1, 10, 10, -1, -1, 14, 14, -1, -1)));
   }
 
   // x + 2^15 - 1 becomes x rounded to 16 bits less, halves to even; in bits 16 to 23.
@@ -111,10 +117,8 @@ struct colouring {
   template <int Channels>
   SPANTEX_INLINE v16 packed(const v16 (&c)[Channels]) const {
     static_assert(Channels == 3 || Channels == 4);
-    constexpr int where_set = 0xCA;
-    const v16 two = _mm512_ternarylogic_epi32(of32<0xFF>(), _mm512_srli_epi32(c[0], 16), _mm512_srli_epi32(c[1], 8), where_set);
-    const v16 three = _mm512_ternarylogic_epi32(of32<0xFFFF>(), two, c[2], where_set);
-    if constexpr (Channels == 4) return _mm512_ternarylogic_epi32(of32<0xFFFFFF>(), three, _mm512_slli_epi32(c[3], 8), where_set);
+    const v16 two = _mm512_mask_shuffle_epi8(c[2], second_bytes, c[1], from_third), three = _mm512_mask_shuffle_epi8(two, first_bytes, c[0], from_third);
+    if constexpr (Channels == 4) return _mm512_ternarylogic_epi32(of32<0xFFFFFF>(), three, _mm512_slli_epi32(c[3], 8), 0xCA);
     else return three;
   }
 

@@ -39,18 +39,29 @@ SPANTEX_INLINE bool on_unlike_levels(const planar_map& map, const v16 (&level)[q
   return _mm512_cmpgt_epi32_mask(most, set32(last)) != 0;
 }
 
-// The whole level of a span's pixels: the first one's; whether it is all of theirs; whether, besides, none of them takes anything from the next one.
-struct common_level { int32_t whole; bool alike, alone; };
+// The level of a span's first pixel, whole above its fraction, and whether the whole one is all of theirs; whether, besides, none of them takes anything from the next one.
 template <bool TwoLevels>
-SPANTEX_INLINE common_level common_level_of(const v16 (&level)[quads]) {
+SPANTEX_INLINE __m128i common_level_of(const v16 (&level)[quads], bool& alike, bool& alone) {
   constexpr int32_t up = TwoLevels ? 0 : (1 << (q.level_bits - 1)) - 1;  // ceil(d + 1/2) - 1
   const auto of = [&](int n) SPANTEX_INLINED { return TwoLevels ? level[n] : _mm512_add_epi32(level[n], of32<up>()); };
   const v16 first = _mm512_broadcastd_epi32(_mm512_castsi512_si128(of(0)));
   const auto differing = [&](v16 so_far, v16 x) SPANTEX_INLINED { return _mm512_ternarylogic_epi32(so_far, x, first, 0xF6); };  // so_far | (x ^ first)
   const v16 differs = differing(differing(differing(_mm512_xor_si512(of(0), first), of(1)), of(2)), of(3));
-  const bool alike = _mm512_test_epi32_mask(differs, of32<-(1 << q.level_bits)>()) == 0;
+  alike = _mm512_test_epi32_mask(differs, of32<-(1 << q.level_bits)>()) == 0;
   const v16 any = _mm512_ternarylogic_epi32(_mm512_or_si512(level[0], level[1]), level[2], level[3], 0xFE);
-  return {_mm_cvtsi128_si32(_mm512_castsi512_si128(of(0))) >> q.level_bits, alike, !TwoLevels || _mm512_test_epi32_mask(any, of32<(1 << q.level_bits) - 1>()) == 0};
+  alone = !TwoLevels || _mm512_test_epi32_mask(any, of32<(1 << q.level_bits) - 1>()) == 0;
+  return _mm512_castsi512_si128(of(0));
+}
+
+// Of a span whose pixels are not all on one: the least level; whether they are on its whole one and the next.
+template <bool TwoLevels>
+SPANTEX_INLINE __m128i least_level_of(const v16 (&level)[quads], bool& next_too) {
+  const auto raised = [&](int32_t x) SPANTEX_INLINED { return x + (TwoLevels ? 0 : (1 << (q.level_bits - 1)) - 1); };
+  const v16 least = _mm512_min_epi32(_mm512_min_epi32(level[0], level[1]), _mm512_min_epi32(level[2], level[3]));
+  const v16 most = _mm512_max_epi32(_mm512_max_epi32(level[0], level[1]), _mm512_max_epi32(level[2], level[3]));
+  const int32_t from = raised(_mm512_reduce_min_epi32(least)), to = raised(_mm512_reduce_max_epi32(most));
+  next_too = (to >> q.level_bits) - (from >> q.level_bits) == 1;
+  return _mm_cvtsi32_si128(from);
 }
 
 // Each pixel's longer one of its row's and its column's length.
@@ -75,20 +86,31 @@ SPANTEX_INLINE void longest_of(v16 lengths, cut how, v16 (&out)[quads]) {
   }
 }
 
-// level_at() of the span's pixels, 2^-8.
-SPANTEX_INLINE void levels_of(const row_work& work, v16 lengths, int s, int series_drop, const v16 (&e)[quads], const slopes16& w, cut how, v16 (&level)[quads]) {
-  v16 terms[quads];
-  longest_of(lengths, how, terms);
-  const v16 most = set32(work.last_level << q.level_bits), drop = set32(series_drop), square_drop = _mm512_add_epi32(drop, of32<1>()), log_drop = _mm512_add_epi32(drop, of32<13>());
-#pragma GCC unroll 4
-  for (int n = 0; n < quads; ++n) {
-    v16 log_w;
-    if (s <= most_level_slope_log2) {
-      const v16 t = upper_difference(w.e16[n], _mm512_srav_epi32(w.square[n], square_drop));
-      log_w = _mm512_srav_epi32(_mm512_madd_epi16(t, of32<int32_t(level_factor.raw()) << 16>()), log_drop);
-    } else {
-      log_w = _mm512_slli_epi32(_mm512_sub_epi32(log2_of(_mm512_add_epi32(slope_of(e[n], s), of32<1 << 30>())), of32<30 << 16>()), 1);
-    }
-    level[n] = detail_of(_mm512_sub_epi32(terms[n], log_w), most);
+// level_at() of the span's pixels, 2^-8: quad by quad, told of its slopes.
+template <bool Steep>
+struct levels_of {
+  v16 most, square_drop, log_drop, terms[quads];
+  SPANTEX_INLINE levels_of(const row_work& work, const batch& b, int k, v16 lengths)
+      : most(set32(work.last_level << q.level_bits)), square_drop(set32(b.series_drop[k] + 1)), log_drop(set32(b.series_drop[k] + 13)) {
+    longest_of(lengths, b.how, terms);
   }
+  SPANTEX_INLINE v16 operator()(int n, v16 e, int slope_log2, const slopes16& w) const {
+    v16 log_w;
+    if constexpr (Steep) {
+      log_w = _mm512_slli_epi32(_mm512_sub_epi32(log2_of(_mm512_add_epi32(slope_of(e, slope_log2), of32<1 << 30>())), of32<30 << 16>()), 1);
+    } else {
+      const v16 t = upper_difference(w.e16, _mm512_srav_epi32(w.square, square_drop));
+      log_w = _mm512_srav_epi32(_mm512_madd_epi16(t, of32<int32_t(level_factor.raw()) << 16>()), log_drop);
+    }
+    return detail_of(_mm512_sub_epi32(terms[n], log_w), most);
+  }
+};
+
+// Positions and levels of a span's pixels.
+template <bool Steep>
+SPANTEX_INLINE void find_pixels(const row_work& work, const batch& b, int k, v16 lengths, span_pixels& p) {
+  offsets o = forms_of(b, k);
+  const levels_of<Steep> levels(work, b, k, lengths);
+  evaluate(b, k, o, [&](int n, const slopes16& w) SPANTEX_INLINED { p.level[n] = levels(n, o.e[n], b.slope_log2[k], w); });
+  take(o, p);
 }

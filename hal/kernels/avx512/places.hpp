@@ -3,9 +3,6 @@
 // quads lie; of others sections.hpp asks the pixels. Included by ../avx512.cpp alone.
 #pragma once
 
-constexpr uint64_t columns_below[block_side] = {0, 0x0101010101010101, 0x0303030303030303, 0x0707070707070707, 0x0F0F0F0F0F0F0F0F, 0x1F1F1F1F1F1F1F1F,
-                                                0x3F3F3F3F3F3F3F3F, 0x7F7F7F7F7F7F7F7F};
-
 SPANTEX_INLINE v16 both_axes(__m256i u, __m256i v) { return _mm512_inserti64x4(_mm512_castsi256_si512(u), v, 1); }
 SPANTEX_INLINE v16 both_axes(int32_t u, int32_t v) { return both_axes(_mm256_set1_epi32(u), _mm256_set1_epi32(v)); }
 
@@ -58,9 +55,10 @@ struct quad_ends {
 // How spans' sections lie, bit k of span k's: all of its quads' are here; they are more than eight rows, more than eight columns (16 at most).
 struct section_kinds { __mmask8 here, deep, broad; };
 
-// Sections of 2x2 texels on a level of each span, which begin anywhere. Not Any: of eight rows and eight columns at most.
-template <bool Any>
-SPANTEX_INLINE section_kinds find_sections(const planar_map& map, __m256i level, const quad_ends& ends, batch_sections& s) {
+// Sections of 2x2 texels on a level of each span, which begin anywhere: of 16x16 texels at most or, not Broad, 8 columns of 16 rows.
+// all: what the largest have is left of smaller ones too.
+template <bool Broad>
+SPANTEX_INLINE section_kinds find_sections(const planar_map& map, __m256i level, const quad_ends& ends, bool all, batch_sections& s) {
   constexpr __mmask16 columns = 0x00FF, rows = 0xFF00;
   const planar_levels& texels = map.levels();
   const v16 levels = both_axes(level, level), axis = _mm512_or_si512(levels, both_axes(0, max_planar_levels));
@@ -94,8 +92,8 @@ SPANTEX_INLINE section_kinds find_sections(const planar_map& map, __m256i level,
     bad |= __mmask16(_mm512_cmpgt_epi32_mask(size, of32<2 * block_side - 1>()) | (periodic & outside));
   }
   const section_kinds kinds{0, __mmask8(more >> batch_size), __mmask8(more)};
-  if constexpr (!Any) bad |= more;
-  const bool any_deep_or_broad = Any && more != 0;
+  if constexpr (!Broad) bad |= more & columns;
+  const bool large = all || more != 0;
 #pragma GCC unroll 4
   for (int n = 0; n < quads; ++n) {
     const v16 begun = counted(first[n]), next = _mm512_add_epi32(begun, step);
@@ -106,23 +104,22 @@ SPANTEX_INLINE section_kinds find_sections(const planar_map& map, __m256i level,
     put(s.at[0][0][n], _mm256_add_epi32(x0, y0));
     put(s.at[1][0][n], _mm256_add_epi32(x1, y0));
     put(s.row[n], _mm512_extracti64x4_epi64(first[n], 1));
-    if (any_deep_or_broad) {
+    if (large) {
       const __m256i x2 = column_at(_mm512_add_epi32(next, one)), y1 = _mm256_add_epi32(_mm512_extracti64x4_epi64(place_of(held(next)), 1), origin);
       put(s.at[2][0][n], _mm256_add_epi32(x2, y0));
       put(s.at[0][1][n], _mm256_add_epi32(x0, y1));
       put(s.at[1][1][n], _mm256_add_epi32(x1, y1));
       put(s.at[2][1][n], _mm256_add_epi32(x2, y1));
-      put(s.column[n], lower(first[n]));
     }
-    const v8 column = _mm512_cvtepu32_epi64(_mm256_and_si256(lower(first[n]), _mm256_set1_epi32(block_side - 1)));
-    _mm512_store_si512(s.merged[n], _mm512_permutexvar_epi64(column, _mm512_loadu_si512(columns_below)));
+    put(s.column[n], lower(first[n]));
+    put(s.shift[n], _mm256_slli_epi32(lower(first[n]), 3));
   }
   return {__mmask8(~(bad | bad >> batch_size)), kinds.deep, kinds.broad};
 }
 
 // On level 0.
 SPANTEX_INLINE void place(const row_work& work, __mmask8 flat, batch& b) {
-  const section_kinds kinds = find_sections<true>(*work.texels, _mm256_setzero_si256(), quad_ends(quad_bounds::undivided(b)), b.sections);
+  const section_kinds kinds = find_sections<true>(*work.texels, _mm256_setzero_si256(), quad_ends(quad_bounds::undivided(b)), false, b.sections);
   b.placed = flat & kinds.here;
   b.deep = kinds.deep;
   b.broad = kinds.broad;
@@ -150,47 +147,70 @@ SPANTEX_WRAPS SPANTEX_INLINE void place_rows(const row_work& work, __mmask8 flat
   b.placed = flat & _mm256_cmpneq_epi32_mask(got(b.terms), _mm256_set1_epi32(divide_terms)) & fit & (fit >> 8);
 }
 
-// Where the quads of spans lie whose pixels are all on one whole level: on that and on the next one, and what snaps positions to them (snapping).
+// Where the quads of spans lie whose pixels are all on one whole level, or some of them on the next one: on these and on the one after them, and what snaps positions to
+// them (snapping).
 struct batch_places {
-  batch_sections fine, coarse;
-  // One bit of fraction more than on the fine level: that leads to the coarse one by an addition, in both halves of a lane.
-  alignas(32) int32_t from_u[batch_size], from_v[quads][batch_size], drop[batch_size], turn[batch_size], to_coarse[quads][batch_size];
+  batch_sections fine, coarse, next;
+  // One bit of fraction more than on the fine level: that leads to the coarser ones by an addition, in both halves of a lane.
+  alignas(32) int32_t from_u[quads][batch_size], from_v[quads][batch_size], drop[batch_size], turn[batch_size], to_coarse[quads][batch_size], to_next[quads][batch_size];
+  alignas(32) int32_t level[batch_size];       // the fine one
   alignas(32) int32_t excess[batch_size];      // bits of the offsets to be dropped first
-  uint32_t placed = 0, deep = 0, broad = 0;    // bit k, as above; those of the coarse level are neither
+  uint32_t placed = 0, deep = 0, broad = 0;    // bit k, as above
+  uint32_t coarse_deep = 0;                    // those of coarser levels; they are not broad
 };
 
-// Spans `alike` are on the levels `whole`; those `alone` take nothing from the next one.
-SPANTEX_WRAPS SPANTEX_INLINE void place_alike(const row_work& work, const batch& b, uint32_t alike, uint32_t alone, const int32_t (&whole)[batch_size], batch_places& p) {
-  const __m256i fine = got(whole), coarse = _mm256_min_epi32(_mm256_add_epi32(fine, _mm256_set1_epi32(1)), _mm256_set1_epi32(work.last_level));
+// Where the spans `some` lie, on the levels `fine`; of those `alone` on that level, of those `crossing` on the two after it (one, of filters that take one level) as well.
+template <bool TwoLevels>
+SPANTEX_WRAPS SPANTEX_INLINE void place_spans(const row_work& work, const batch& b, uint32_t some, uint32_t alone, uint32_t crossing, __m256i fine, batch_places& p) {
+  const auto after = [&](__m256i level) SPANTEX_INLINED { return _mm256_min_epi32(_mm256_add_epi32(level, _mm256_set1_epi32(1)), _mm256_set1_epi32(work.last_level)); };
+  const __m256i coarse = after(fine);
   // Positions modulo 32 texels of the coarser level fit 32 bits (shorten()).
-  const __m256i excess = _mm256_max_epi32(_mm256_sub_epi32(_mm256_add_epi32(got(b.exponent), coarse), _mm256_set1_epi32(27)), _mm256_setzero_si256()), bits = _mm256_sub_epi32(got(b.exponent), excess);
+  const __mmask8 divided = _mm256_cmpeq_epi32_mask(got(b.terms), _mm256_set1_epi32(divide_terms));
+  const __m256i given = _mm256_mask_mov_epi32(got(b.exponent), divided, _mm256_set1_epi32(q.coordinate_bits));
+  const __m256i excess = _mm256_max_epi32(_mm256_sub_epi32(_mm256_add_epi32(given, coarse), _mm256_set1_epi32(27)), _mm256_setzero_si256()), bits = _mm256_sub_epi32(given, excess);
   // plan_bounds() holds up to a slope of 1/4.
-  alike &= _mm256_cmple_epi32_mask(got(b.slope_log2), _mm256_set1_epi32(-2)) & _mm256_cmpneq_epi32_mask(got(b.terms), _mm256_set1_epi32(divide_terms));
+  some &= _mm256_cmple_epi32_mask(got(b.slope_log2), _mm256_set1_epi32(-2));
   p.placed = 0;
-  if (alike == 0) return;
+  p.coarse_deep = 0;
+  if (some == 0) return;
   const quad_ends ends(quad_bounds::divided(b));
-  const section_kinds kinds = find_sections<true>(*work.texels, fine, ends, p.fine);
-  alike &= kinds.here;
-  if ((alike & ~alone) != 0) alike &= alone | find_sections<false>(*work.texels, coarse, ends, p.coarse).here;
-  p.placed = alike;
+  const section_kinds kinds = find_sections<true>(*work.texels, fine, ends, crossing != 0, p.fine);
+  some &= kinds.here;
+  const auto find_after = [&](uint32_t without, __m256i level, batch_sections& out) SPANTEX_INLINED {
+    if ((some & ~without) == 0) return;
+    const section_kinds found = find_sections<false>(*work.texels, level, ends, crossing != 0, out);
+    some &= without | found.here;
+    p.coarse_deep |= found.deep & ~without;
+  };
+  find_after(alone & ~crossing, coarse, p.coarse);
+  if constexpr (TwoLevels) find_after(~crossing, after(coarse), p.next);
+  p.placed = some;
   p.deep = kinds.deep;
   p.broad = kinds.broad;
+  put(p.level, fine);
   const __m256i one = _mm256_set1_epi32(1), shift = _mm256_sub_epi32(_mm256_add_epi32(bits, fine), _mm256_set1_epi32(q.subtexel_bits + 1));
-  const __m256i rounding = _mm256_sllv_epi32(one, _mm256_sub_epi32(bits, _mm256_set1_epi32(q.coordinate_bits + 1)));
+  const __m256i rounding = _mm256_sllv_epi32(one, _mm256_sub_epi32(bits, _mm256_set1_epi32(q.coordinate_bits + 1)));  // 0 where they are divided: nothing is left to round
   constexpr int32_t before = 1 - (1 << q.subtexel_bits);  // half of what positions are snapped to, less half a texel
   const __m256i start = _mm256_add_epi32(rounding, _mm256_sllv_epi32(_mm256_set1_epi32(before), shift));
   const auto from = [&](const int32_t (&base)[batch_size]) SPANTEX_INLINED { return _mm256_add_epi32(start, _mm256_sllv_epi32(got(base), bits)); };
-  const __m256i from_v = from(b.base_v), texel = _mm256_add_epi32(bits, fine);
+  const __m256i from_u = from(b.base_u), from_v = from(b.base_v), texel = _mm256_add_epi32(bits, fine);
   put(p.excess, excess);
-  put(p.from_u, from(b.base_u));
   put(p.drop, shift);
   put(p.turn, _mm256_sub_epi32(shift, _mm256_set1_epi32(16)));
 #pragma GCC unroll 4
   for (int n = 0; n < quads; ++n) {
-    const __m256i row = got(p.fine.row[n]);
+    const __m256i column = got(p.fine.column[n]), row = got(p.fine.row[n]);
+    put(p.from_u[n], _mm256_sub_epi32(from_u, _mm256_sllv_epi32(column, texel)));
     put(p.from_v[n], _mm256_sub_epi32(from_v, _mm256_sllv_epi32(row, texel)));
-    // On the coarse level 2 and 256 take the place of 1 and 128; rows are counted from another.
-    const __m256i rows = _mm256_sub_epi32(row, _mm256_slli_epi32(got(p.coarse.row[n]), 1));
-    put(p.to_coarse[n], _mm256_add_epi32(_mm256_slli_epi32(rows, 16 + q.subtexel_bits + 1), _mm256_set1_epi32(int32_t(0x00010001u * uint16_t(before)))));
+    // On the coarse level 2 and 256 take the place of 1 and 128, then 4 and 512; columns and rows are counted from others.
+    const auto to = [&](const batch_sections& s, int levels) SPANTEX_INLINED {
+      const auto moved = [&](__m256i texels, const int32_t (&first)[batch_size]) SPANTEX_INLINED {
+        const __m256i less = _mm256_sub_epi32(texels, _mm256_slli_epi32(got(first), levels));
+        return _mm256_add_epi32(_mm256_slli_epi32(less, q.subtexel_bits + 1), _mm256_set1_epi32(before * ((1 << levels) - 1)));
+      };
+      return _mm256_mask_mov_epi16(_mm256_slli_epi32(moved(row, s.row[n]), 16), 0x5555, moved(column, s.column[n]));
+    };
+    put(p.to_coarse[n], to(p.coarse, 1));
+    if (TwoLevels && crossing != 0) [[unlikely]] put(p.to_next[n], to(p.next, 2));
   }
 }

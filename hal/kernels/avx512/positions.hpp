@@ -5,6 +5,16 @@
 // Offsets from the base texel: value 2^-bits, to be rounded by adding half and cutting.
 struct offsets { v16 u[quads], v[quads], e[quads]; int bits; uint32_t half; };  // e: 2^-slope_log2 of it
 
+// A span's offsets and levels of detail, 2^-8.
+struct span_pixels { v16 u[quads], v[quads], level[quads]; };
+SPANTEX_INLINE void take(const offsets& o, span_pixels& p) {
+#pragma GCC unroll 4
+  for (int n = 0; n < quads; ++n) {
+    p.u[n] = o.u[n];
+    p.v[n] = o.v[n];
+  }
+}
+
 // The slope as series take it: in the upper half of each lane, lower half zero.
 SPANTEX_INLINE v16 slope16(v16 e) { return _mm512_and_si512(e, upper()); }
 SPANTEX_INLINE v16 slope_of(v16 e, int slope_log2) { return _mm512_srav_epi32(e, set32(-slope_log2)); }
@@ -25,26 +35,17 @@ SPANTEX_INLINE v16 by_series16(v16 n, v16 r, v16 drop) {
   return _mm512_sub_epi32(n, _mm512_srav_epi32(_mm512_madd_epi16(n, r), drop));
 }
 
-// Slopes and their squares.
+// A quad's slopes and their squares.
 struct slopes16 {
-  v16 e16[quads], square[quads];
-  SPANTEX_INLINE explicit slopes16(const v16 (&e)[quads]) {
-#pragma GCC unroll 4
-    for (int n = 0; n < quads; ++n) {
-      e16[n] = slope16(e[n]);
-      square[n] = _mm512_madd_epi16(e16[n], e16[n]);
-    }
-  }
+  v16 e16, square;
+  SPANTEX_INLINE explicit slopes16(v16 e) : e16(slope16(e)), square(_mm512_madd_epi16(e16, e16)) {}
 };
 
 template <int Terms>
-SPANTEX_INLINE void divide_by_series(v16 drop, const slopes16& w, offsets& o) {
-#pragma GCC unroll 4
-  for (int n = 0; n < quads; ++n) {
-    const v16 r = series16<Terms>(w.e16[n], w.square[n], drop);
-    o.u[n] = by_series16(o.u[n], r, drop);
-    o.v[n] = by_series16(o.v[n], r, drop);
-  }
+SPANTEX_INLINE void divide_by_series(v16 drop, const slopes16& w, v16& u, v16& v) {
+  const v16 r = series16<Terms>(w.e16, w.square, drop);
+  u = by_series16(u, r, drop);
+  v = by_series16(v, r, drop);
 }
 
 // 1/w of sixteen pixels, u1.30, in the lower halves of the even and of the odd lanes' 64 bits; what is above is anything.
@@ -67,16 +68,11 @@ SPANTEX_INLINE v16 by_divide16(v16 n, const reciprocals16& r, v8 shift) {
   return _mm512_mask_mov_epi32(even, 0xAAAA, _mm512_slli_epi64(odd, 32));
 }
 
-SPANTEX_INLINE void divide(int slope_log2, offsets& o) {
-  const v8 shift = set(o.bits - q.coordinate_bits + q.reciprocal_bits);
-#pragma GCC unroll 4
-  for (int n = 0; n < quads; ++n) {
-    reciprocals16 r = reciprocal16(slope_of(o.e[n], slope_log2));
-    o.u[n] = by_divide16(o.u[n], r, shift);
-    o.v[n] = by_divide16(o.v[n], r, shift);
-  }
-  o.bits = q.coordinate_bits;
-  o.half = 0;
+// Positions have 14 bits of fraction then.
+SPANTEX_INLINE void divide(v16 e, v8 shift, v16& u, v16& v) {
+  const reciprocals16 r = reciprocal16(e);
+  u = by_divide16(u, r, shift);
+  v = by_divide16(v, r, shift);
 }
 
 SPANTEX_INLINE void forms_of(const batch_forms& f, int k, v16 (&out)[quads]) {
@@ -89,15 +85,31 @@ SPANTEX_INLINE void forms_of(const batch_forms& f, int k, v16 (&out)[quads]) {
   out[3] = _mm512_add_epi32(out[1], below);
 }
 
-SPANTEX_INLINE void evaluate(const batch& b, int k, const slopes16& w, offsets& o) {
+// Bits of fraction that a span's offsets have.
+SPANTEX_INLINE int bits_of(const batch& b, int k) { return b.terms[k] == divide_terms ? q.coordinate_bits : b.exponent[k]; }
+SPANTEX_INLINE uint32_t half_of(int bits) { return bits == q.coordinate_bits ? 0 : 1u << (bits - q.coordinate_bits - 1); }
+
+// A span's positions from its linear forms, quad by quad: each_quad(n, e, slopes, u, v) is told of each, before it is divided.
+template <int Terms>
+SPANTEX_INLINE void evaluate(const batch& b, int k, offsets& o, auto&& each_quad) {
   const v16 drop = set32(b.series_drop[k]);
+#pragma GCC unroll 4
+  for (int n = 0; n < quads; ++n) {
+    const slopes16 w(o.e[n]);
+    each_quad(n, w);
+    if constexpr (Terms == divide_terms) divide(slope_of(o.e[n], b.slope_log2[k]), set(b.exponent[k] - q.coordinate_bits + q.reciprocal_bits), o.u[n], o.v[n]);
+    else if constexpr (Terms > 0) divide_by_series<Terms>(drop, w, o.u[n], o.v[n]);
+  }
+}
+SPANTEX_INLINE void evaluate(const batch& b, int k, offsets& o, auto&& each_quad) {
+  static_assert(most_series_terms == 4 && divide_terms == 5);
   switch (b.terms[k]) {
-    case 0: break;
-    case 1: divide_by_series<1>(drop, w, o); break;
-    case 2: divide_by_series<2>(drop, w, o); break;
-    case 3: divide_by_series<3>(drop, w, o); break;
-    case 4: divide_by_series<4>(drop, w, o); break;
-    default: divide(b.slope_log2[k], o); break;
+    case 0: return evaluate<0>(b, k, o, each_quad);
+    case 1: return evaluate<1>(b, k, o, each_quad);
+    case 2: return evaluate<2>(b, k, o, each_quad);
+    case 3: return evaluate<3>(b, k, o, each_quad);
+    case 4: return evaluate<4>(b, k, o, each_quad);
+    default: return evaluate<divide_terms>(b, k, o, each_quad);
   }
 }
 
@@ -107,14 +119,14 @@ SPANTEX_INLINE offsets forms_of(const batch& b, int k) {
   forms_of(b.u, k, o.u);
   forms_of(b.v, k, o.v);
   forms_of(b.e, k, o.e);
-  o.bits = b.exponent[k];
-  o.half = 1u << (o.bits - q.coordinate_bits - 1);
+  o.bits = bits_of(b, k);
+  o.half = half_of(o.bits);
   return o;
 }
 
 SPANTEX_INLINE offsets offsets_of(const batch& b, int k) {
   offsets o = forms_of(b, k);
-  evaluate(b, k, slopes16(o.e), o);
+  evaluate(b, k, o, [](int, const slopes16&) SPANTEX_INLINED {});
   return o;
 }
 
@@ -141,7 +153,7 @@ SPANTEX_INLINE void shorten(int last_level, v16 (&u)[quads], v16 (&v)[quads], in
   half >>= drop;
 }
 
-// Positions on a level: u in the lower half of each lane, v in the upper, 7 bits of fraction and 5 of texel each; what is above is anything.
+// Positions on a level, from a section's first texel: u in the lower half of each lane, v in the upper, 7 bits of fraction and 4 of texel each; what is above is anything.
 SPANTEX_INLINE v16 snapped16(v16 offset_u, v16 offset_v, v16 from_u, v16 from_v, v16 drop, v16 turn) {
   const v16 u = _mm512_srlv_epi32(_mm512_add_epi32(offset_u, from_u), drop), v = _mm512_rorv_epi32(_mm512_add_epi32(offset_v, from_v), turn);
   return _mm512_ternarylogic_epi32(u, v, upper(), 0xD8);  // bits of v where upper
@@ -158,6 +170,12 @@ template <class C>
 SPANTEX_INLINE v16 snapped_by(const C& c, v16 u, v16 v, int32_t from_u, int32_t from_v, int32_t drop, int32_t turn) {
   const v16 x = _mm512_srlv_epi32(_mm512_add_epi32(u, set32(from_u)), set32(drop)), y = _mm512_rorv_epi32(_mm512_add_epi32(v, set32(from_v)), set32(turn));
   return _mm512_mask_mov_epi16(y, __mmask32(c.even), x);
+}
+
+// What leads to positions, less so many texels.
+SPANTEX_INLINE __m128i four(const int32_t* of) { return _mm_loadu_si128(reinterpret_cast<const __m128i*>(of)); }
+SPANTEX_INLINE void begin_four(int32_t* from, const int32_t (&texels)[quads], __m128i texel_bits) {
+  _mm_storeu_si128(reinterpret_cast<__m128i*>(from), _mm_sub_epi32(four(from), _mm_sllv_epi32(four(texels), texel_bits)));
 }
 
 // The same for a span's quads on several levels each: what to add and how far to shift. Fine levels of the four quads, then the coarse ones, then those after them.
@@ -186,12 +204,11 @@ struct alignas(32) snapping {
     put(turn, _mm_sub_epi32(shift, _mm_set1_epi32(16)));
   }
 
-  // Rows are counted from these, on the level that lies so many after the fine one.
-  SPANTEX_INLINE void begin_at(const int32_t (&row)[quads], int after) {
-    const auto four = [](const int32_t* from) { return _mm_loadu_si128(reinterpret_cast<const __m128i*>(from)); };
-    int32_t* const to = from_v + after * quads;
+  // Columns and rows are counted from these, on the level that lies so many after the fine one.
+  SPANTEX_INLINE void begin_at(const int32_t (&column)[quads], const int32_t (&row)[quads], int after) {
     const __m128i texel = _mm_add_epi32(four(drop + after * quads), _mm_set1_epi32(q.subtexel_bits));
-    _mm_storeu_si128(reinterpret_cast<__m128i*>(to), _mm_sub_epi32(four(to), _mm_sllv_epi32(four(row), texel)));
+    begin_four(from_u + after * quads, column, texel);
+    begin_four(from_v + after * quads, row, texel);
   }
 
   template <class C>
@@ -215,10 +232,10 @@ struct alignas(32) scaling {
     return _mm512_add_epi32(products(x, by, by), set32(from[k]));
   }
 
-  SPANTEX_INLINE void begin_at(const int32_t (&row)[quads]) {
-    const auto four = [](const int32_t* of) { return _mm_loadu_si128(reinterpret_cast<const __m128i*>(of)); };
-    const __m128i texel = _mm_add_epi32(four(drop + quads), _mm_set1_epi32(q.subtexel_bits));
-    _mm_storeu_si128(reinterpret_cast<__m128i*>(from + quads), _mm_sub_epi32(four(from + quads), _mm_sllv_epi32(four(row), texel)));
+  SPANTEX_INLINE void begin_at(const int32_t (&column)[quads], const int32_t (&row)[quads]) {
+    const __m128i subtexel = _mm_set1_epi32(q.subtexel_bits);
+    begin_four(from, column, _mm_add_epi32(four(drop), subtexel));
+    begin_four(from + quads, row, _mm_add_epi32(four(drop + quads), subtexel));
   }
 
   // As snapped16() has them.

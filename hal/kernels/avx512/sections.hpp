@@ -23,21 +23,20 @@ SPANTEX_INLINE v16 reach_of(const v16 (&of_u)[quads], const v16 (&of_v)[quads], 
 enum class held_in : uint8_t { shallow, narrow, broad, full };
 constexpr bool is_broad(held_in where) { return where == held_in::broad || where == held_in::full; }
 
-// One quad's registers. Columns of blocks from `at` on, each once or twice eight rows; of a block's columns those of `merged` are taken from the next one, so that two blocks are one
-// register, three are two, wherever the section begins.
+// One quad's registers. Columns of blocks from `at` on, each once or twice eight rows; rows of two blocks are shifted by so many bits (modulo 64) that they begin where the section
+// does: two blocks are one register, three are two.
 template <held_in Where>
 struct quad_section {
   static constexpr int blocks = is_broad(Where) ? 3 : 2, eights = Where == held_in::narrow || Where == held_in::full ? 2 : 1;
   const uint8_t* at[blocks][eights];
-  __mmask64 merged;
-  int32_t column;  // the first, of broad ones
+  v8 shift;
 };
 
 // One quad's section, of a span's (at: the column of blocks, which eight rows) as find_sections() left it.
 template <held_in Where>
-SPANTEX_INLINE quad_section<Where> section_at(const uint8_t* blocks, const auto& at, uint64_t merged, int32_t column) {
+SPANTEX_INLINE quad_section<Where> section_at(const uint8_t* blocks, const auto& at, int32_t shift) {
   using section = quad_section<Where>;
-  section s{{}, merged, column};
+  section s{{}, set32(shift)};
 #pragma GCC unroll 3
   for (int c = 0; c < section::blocks; ++c)
 #pragma GCC unroll 2
@@ -49,20 +48,20 @@ SPANTEX_INLINE quad_section<Where> section_at(const uint8_t* blocks, const auto&
 }
 template <held_in Where>
 SPANTEX_INLINE auto section_of(const uint8_t* blocks, const batch_sections& s, int k, int n) {
-  return section_at<Where>(blocks, [&](int c, int r) SPANTEX_INLINED { return s.at[c][r][n][k]; }, s.merged[n][k], is_broad(Where) ? s.column[n][k] : 0);
+  return section_at<Where>(blocks, [&](int c, int r) SPANTEX_INLINED { return s.at[c][r][n][k]; }, s.shift[n][k]);
 }
 
 // The sections of a span's four quads on a level each, from planar_map::blocks().
 struct alignas(64) span_sections {
   int32_t at[3][2][quads];
   int32_t row[quads], column[quads];             // the first
-  alignas(32) uint64_t merged[quads];
+  int32_t shift[quads];                          // 8 column
   uint32_t fit;                                  // bit n: quad n's section is in here
   bool deep, broad;                              // some are more than eight rows, more than eight columns
 };
 template <held_in Where>
 SPANTEX_INLINE auto section_of(const uint8_t* blocks, const span_sections& s, int n) {
-  return section_at<Where>(blocks, [&](int c, int r) SPANTEX_INLINED { return s.at[c][r][n]; }, s.merged[n], is_broad(Where) ? s.column[n] : 0);
+  return section_at<Where>(blocks, [&](int c, int r) SPANTEX_INLINED { return s.at[c][r][n]; }, s.shift[n]);
 }
 
 // Lanes are ordered as in reach_of(): those of u, of v, of the first ends.
@@ -105,8 +104,9 @@ SPANTEX_INLINE void find_sections(const planar_map& map, v16 texel, v16 level, s
   _mm512_storeu_si512(s.at, _mm512_add_epi32(_mm512_shuffle_i32x4(bytes, bytes, 0xA0), down));
   const __m256i both = _mm512_castsi512_si256(first);
   _mm_storeu_si128(reinterpret_cast<__m128i*>(s.row), _mm256_extracti128_si256(both, 1));
-  const __m512i column = _mm512_cvtepi32_epi64(_mm256_and_si256(both, _mm256_set1_epi32(block_side - 1)));
-  _mm256_store_si256(reinterpret_cast<__m256i*>(s.merged), _mm512_castsi512_si256(_mm512_permutexvar_epi64(column, _mm512_loadu_si512(columns_below))));
+  const __m128i column = _mm256_castsi256_si128(both);
+  _mm_storeu_si128(reinterpret_cast<__m128i*>(s.column), column);
+  _mm_storeu_si128(reinterpret_cast<__m128i*>(s.shift), _mm_slli_epi32(column, 3));
   const v16 size = _mm512_sub_epi32(texel, first);  // in the last ends' lanes
   const __mmask16 two = __mmask16(~firsts & _mm512_cmpgt_epi32_mask(size, of32<block_side - 1>()));
   s.deep = (two & of_v) != 0;
@@ -118,7 +118,6 @@ SPANTEX_INLINE void find_sections(const planar_map& map, v16 texel, v16 level, s
   const __mmask16 large = Broad ? _mm512_mask_cmpgt_epi32_mask(two, size, of32<2 * block_side - 1>()) : __mmask16(two & (of_u | _mm512_cmpgt_epi32_mask(size, of32<2 * block_side - 1>())));
   s.fit = ~some_axis(large | (periodic & outside)) & 0xF;
   if constexpr (!Broad) return;
-  _mm_storeu_si128(reinterpret_cast<__m128i*>(s.column), _mm256_castsi256_si128(both));
   const v16 third = _mm512_mullo_epi32(held(_mm512_add_epi32(begun, of32<2>())), unit);
   _mm256_storeu_si256(reinterpret_cast<__m256i*>(s.at[2]), _mm256_add_epi32(_mm512_castsi512_si256(_mm512_shuffle_i32x4(third, third, 0x00)), _mm512_castsi512_si256(down)));
 }

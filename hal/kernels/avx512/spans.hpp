@@ -40,8 +40,9 @@ SPANTEX_INLINE bool draw_bilinear(const row_work& work, const batch& b, int k) {
 #pragma GCC unroll 4
     for (int n = 0; n < quads; ++n) {
       positions at = positions_of(b, k, o, n);
+      at.base_u -= b.sections.column[n][k];
       at.base_v -= b.sections.row[n][k];
-      out[n] = bilinear16<Channels>(as, section_of<Where>(map.blocks(), b.sections, k, n), samples16(from, snapped16(at, 0)));
+      out[n] = bilinear16<Channels>(as, section_of<Where>(map.blocks(), b.sections, k, n), samples16<Where>(from, snapped16(at, 0)));
     }
   };
   if (b.placed >> k & 1) {
@@ -57,8 +58,9 @@ SPANTEX_INLINE bool draw_bilinear(const row_work& work, const batch& b, int k) {
 #pragma GCC unroll 4
     for (int n = 0; n < quads; ++n) {
       positions at = positions_of(b, k, o, n);
+      at.base_u -= sections.column[n];
       at.base_v -= sections.row[n];
-      out[n] = bilinear16<Channels>(as, section_of<held_in::narrow>(map.blocks(), sections, n), samples16(from, snapped16(at, 0)));
+      out[n] = bilinear16<Channels>(as, section_of<held_in::narrow>(map.blocks(), sections, n), samples16<held_in::narrow>(from, snapped16(at, 0)));
     }
   }
   write(work, b.sx + k, work.masks[b.first + k], out);
