@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// AVX-512 with VBMI: eight spans of a row are planned at once, one 64-bit lane each; then each span's 64 pixels are computed, sixteen 32-bit
+// AVX-512 with VBMI, VBMI2 and VNNI: eight spans of a row are planned at once, one 64-bit lane each; then each span's 64 pixels are computed, sixteen 32-bit
 // lanes at a time. Local memory is registers: a channel of 16x16 texels is four of them, wherever it begins, and a byte permute of two registers is 64 fetches.
 //
 // Every number equals the scalar datapath's (docs/SPEC.md). Rounding shifts are folded: floor(floor(x / 2^a) + k) / 2^b) = floor((x + k 2^a) / 2^(a + b)),
-// so a position is rounded to coordinate_bits and then snapped in one addition and one shift; addresses in local memory are taken modulo its
-// side, so positions may wrap around in 32 bits.
+// so a position is rounded to coordinate_bits and then snapped in one addition and one shift; it is counted from its section's first texel, so that
+// it may wrap around in 32 bits before that is taken off.
 #include "kernel.hpp"
 #include "level_rows.hpp"
 #include "numbers.hpp"

@@ -20,7 +20,7 @@ struct level_span {
   bool one_level;                     // no pixel takes anything from its coarse level
 };
 
-// A span that place_spans() placed. Deep: so are its coarser levels.
+// A span that place_spans() placed. Deep: sixteen rows of its coarser levels are read, not eight.
 template <bool Deep>
 struct placed_span {
   const span_pixels* pixels;
@@ -332,8 +332,9 @@ template <bool TwoLevels, int Channels>
   const auto with_deep = [&]<taken Levels>() SPANTEX_INLINED {
     broad ? blend_placed<TwoLevels, Channels, Levels, held_in::full, true>(work, b, k, pixels, p) : blend_placed<TwoLevels, Channels, Levels, held_in::narrow, true>(work, b, k, pixels, p);
   };
-  if (!crossing) with_deep.template operator()<taken::all>();
-  else if (broad || ((p.deep | p.coarse_deep) >> k & 1)) with_deep.template operator()<taken::more>();
+  if constexpr (TwoLevels)
+    if (!crossing) return with_deep.template operator()<taken::all>();
+  if (broad || (p.deep >> k & 1)) with_deep.template operator()<taken::more>();
   else blend_placed<TwoLevels, Channels, taken::more, held_in::shallow, false>(work, b, k, pixels, p);
 }
 
@@ -347,7 +348,9 @@ SPANTEX_INLINE void blend_placed(const row_work& work, const batch& b, int k, bo
     if (deep) broad ? blended.template operator()<Levels, held_in::full>() : blended.template operator()<Levels, held_in::narrow>();
     else broad ? blended.template operator()<Levels, held_in::broad>() : blended.template operator()<Levels, held_in::shallow>();
   };
-  alone ? by_width.template operator()<taken::one>() : by_width.template operator()<taken::all>();
+  if constexpr (TwoLevels)
+    if (!alone) return by_width.template operator()<taken::all>();
+  by_width.template operator()<taken::one>();
 }
 
 // On levels whose sides do not halve exactly.

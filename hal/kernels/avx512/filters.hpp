@@ -113,7 +113,7 @@ struct colouring {
   // x + 2^15 - 1 becomes x rounded to 16 bits less, halves to even; in bits 16 to 23.
   SPANTEX_INLINE v16 even(v16 x) const { return _mm512_dpwssd_epi32(x, _mm512_and_si512(x, one), one); }
 
-  // Channels' bits 16 to 23 as pixels; three are those of an opaque map, the last of which has alpha above its bits. Of the first nothing is above.
+  // Channels' bits 16 to 23 as pixels; three are those of an opaque map, the last of which has alpha above its bits.
   template <int Channels>
   SPANTEX_INLINE v16 packed(const v16 (&c)[Channels]) const {
     static_assert(Channels == 3 || Channels == 4);

@@ -89,7 +89,7 @@ SPANTEX_INLINE section_kinds find_sections(const planar_map& map, __m256i level,
     // Where blocks repeat, the last one that is read must be one of the map's: that of the end's column, or of the second eight rows.
     const v16 begun = counted(from), reached = _mm512_mask_mov_epi32(_mm512_mask_add_epi32(begun, two, begun, step), columns, counted(end));
     const __mmask16 outside = _mm512_cmpneq_epi32_mask(held(begun), begun) | _mm512_cmpgt_epi32_mask(reached, last);
-    bad |= __mmask16(_mm512_cmpgt_epi32_mask(size, of32<2 * block_side - 1>()) | (periodic & outside));
+    bad |= __mmask16(_mm512_cmpgt_epu32_mask(size, of32<2 * block_side - 1>()) | (periodic & outside));
   }
   const section_kinds kinds{0, __mmask8(more >> batch_size), __mmask8(more)};
   if constexpr (!Broad) bad |= more & columns;
@@ -147,8 +147,8 @@ SPANTEX_WRAPS SPANTEX_INLINE void place_rows(const row_work& work, __mmask8 flat
   b.placed = flat & _mm256_cmpneq_epi32_mask(got(b.terms), _mm256_set1_epi32(divide_terms)) & fit & (fit >> 8);
 }
 
-// Where the quads of spans lie whose pixels are all on one whole level, or some of them on the next one: on these and on the one after them, and what snaps positions to
-// them (snapping).
+// Where the quads of spans lie on their pixels' whole level and the one after it; and, where some pixels' whole level is that one, on a third; and what snaps positions to them
+// (snapping).
 struct batch_places {
   batch_sections fine, coarse, next;
   // One bit of fraction more than on the fine level: that leads to the coarser ones by an addition, in both halves of a lane.
@@ -164,17 +164,15 @@ template <bool TwoLevels>
 SPANTEX_WRAPS SPANTEX_INLINE void place_spans(const row_work& work, const batch& b, uint32_t some, uint32_t alone, uint32_t crossing, __m256i fine, batch_places& p) {
   const auto after = [&](__m256i level) SPANTEX_INLINED { return _mm256_min_epi32(_mm256_add_epi32(level, _mm256_set1_epi32(1)), _mm256_set1_epi32(work.last_level)); };
   const __m256i coarse = after(fine);
-  // Positions modulo 32 texels of the coarser level fit 32 bits (shorten()).
+  // Positions modulo 32 texels of the coarser level fit 32 bits (shorten()), which leaves a third level the 14 bits of either half that it takes.
   const __mmask8 divided = _mm256_cmpeq_epi32_mask(got(b.terms), _mm256_set1_epi32(divide_terms));
   const __m256i given = _mm256_mask_mov_epi32(got(b.exponent), divided, _mm256_set1_epi32(q.coordinate_bits));
   const __m256i excess = _mm256_max_epi32(_mm256_sub_epi32(_mm256_add_epi32(given, coarse), _mm256_set1_epi32(27)), _mm256_setzero_si256()), bits = _mm256_sub_epi32(given, excess);
   // plan_bounds() holds up to a slope of 1/4.
   some &= _mm256_cmple_epi32_mask(got(b.slope_log2), _mm256_set1_epi32(-2));
-  p.placed = 0;
-  p.coarse_deep = 0;
   if (some == 0) return;
   const quad_ends ends(quad_bounds::divided(b));
-  const section_kinds kinds = find_sections<true>(*work.texels, fine, ends, crossing != 0, p.fine);
+  const section_kinds kinds = find_sections<true>(*work.texels, fine, ends, false, p.fine);
   some &= kinds.here;
   const auto find_after = [&](uint32_t without, __m256i level, batch_sections& out) SPANTEX_INLINED {
     if ((some & ~without) == 0) return;
@@ -197,20 +195,20 @@ SPANTEX_WRAPS SPANTEX_INLINE void place_spans(const row_work& work, const batch&
   put(p.excess, excess);
   put(p.drop, shift);
   put(p.turn, _mm256_sub_epi32(shift, _mm256_set1_epi32(16)));
+  // On the coarse level 2 and 256 take the place of 1 and 128, then 4 and 512; columns and rows are counted from others.
+  const auto to = [&](const batch_sections& s, int n, int levels) SPANTEX_INLINED {
+    const auto moved = [&](const int32_t (&fine_first)[batch_size], const int32_t (&first)[batch_size]) SPANTEX_INLINED {
+      const __m256i less = _mm256_sub_epi32(got(fine_first), _mm256_slli_epi32(got(first), levels));
+      return _mm256_add_epi32(_mm256_slli_epi32(less, q.subtexel_bits + 1), _mm256_set1_epi32(before * ((1 << levels) - 1)));
+    };
+    return _mm256_mask_mov_epi16(_mm256_slli_epi32(moved(p.fine.row[n], s.row[n]), 16), 0x5555, moved(p.fine.column[n], s.column[n]));
+  };
 #pragma GCC unroll 4
   for (int n = 0; n < quads; ++n) {
-    const __m256i column = got(p.fine.column[n]), row = got(p.fine.row[n]);
-    put(p.from_u[n], _mm256_sub_epi32(from_u, _mm256_sllv_epi32(column, texel)));
-    put(p.from_v[n], _mm256_sub_epi32(from_v, _mm256_sllv_epi32(row, texel)));
-    // On the coarse level 2 and 256 take the place of 1 and 128, then 4 and 512; columns and rows are counted from others.
-    const auto to = [&](const batch_sections& s, int levels) SPANTEX_INLINED {
-      const auto moved = [&](__m256i texels, const int32_t (&first)[batch_size]) SPANTEX_INLINED {
-        const __m256i less = _mm256_sub_epi32(texels, _mm256_slli_epi32(got(first), levels));
-        return _mm256_add_epi32(_mm256_slli_epi32(less, q.subtexel_bits + 1), _mm256_set1_epi32(before * ((1 << levels) - 1)));
-      };
-      return _mm256_mask_mov_epi16(_mm256_slli_epi32(moved(row, s.row[n]), 16), 0x5555, moved(column, s.column[n]));
-    };
-    put(p.to_coarse[n], to(p.coarse, 1));
-    if (TwoLevels && crossing != 0) [[unlikely]] put(p.to_next[n], to(p.next, 2));
+    put(p.from_u[n], _mm256_sub_epi32(from_u, _mm256_sllv_epi32(got(p.fine.column[n]), texel)));
+    put(p.from_v[n], _mm256_sub_epi32(from_v, _mm256_sllv_epi32(got(p.fine.row[n]), texel)));
+    put(p.to_coarse[n], to(p.coarse, n, 1));
   }
+  if (TwoLevels && crossing != 0) [[unlikely]]
+    for (int n = 0; n < quads; ++n) put(p.to_next[n], to(p.next, n, 2));
 }

@@ -89,7 +89,7 @@ SPANTEX_INLINE void forms_of(const batch_forms& f, int k, v16 (&out)[quads]) {
 SPANTEX_INLINE int bits_of(const batch& b, int k) { return b.terms[k] == divide_terms ? q.coordinate_bits : b.exponent[k]; }
 SPANTEX_INLINE uint32_t half_of(int bits) { return bits == q.coordinate_bits ? 0 : 1u << (bits - q.coordinate_bits - 1); }
 
-// A span's positions from its linear forms, quad by quad: each_quad(n, e, slopes, u, v) is told of each, before it is divided.
+// A span's positions from its linear forms, quad by quad: each_quad(n, slopes) is told of each, before it is divided.
 template <int Terms>
 SPANTEX_INLINE void evaluate(const batch& b, int k, offsets& o, auto&& each_quad) {
   const v16 drop = set32(b.series_drop[k]);
@@ -113,7 +113,7 @@ SPANTEX_INLINE void evaluate(const batch& b, int k, offsets& o, auto&& each_quad
   }
 }
 
-// Before they are divided.
+// Before they are divided; bits and half are those that they have then.
 SPANTEX_INLINE offsets forms_of(const batch& b, int k) {
   offsets o;
   forms_of(b.u, k, o.u);
