@@ -80,6 +80,15 @@ SPANTEX_CASE(turned_planes_between_levels) {
     }
 }
 
+// A wall to the side, minified across: quads that reach more than eight rows of a span's second level too.
+SPANTEX_CASE(walls_to_the_side) {
+  const ready_map map(random_map(512, 512), wrap::repeat);
+  const double m[9] = {1.913, 0.307, 101.7, -0.211, 1.297, 702.3, 0.00115, 0.0001, 0.253};
+  plane p{};
+  SPANTEX_ASSERT_OK(make_plane(homography_of(m), {0, 0, 640, 160}, p));
+  for (const filter kind : {filter::mip_bilinear, filter::trilinear}) draw_all(p, map, kind, {0, 0, 640, 160}, 640, 160);
+}
+
 // Quads wider than their pixels' steps let one expect: u grows across and down alike. And texels that take many pixels: offsets are smaller than one, with many bits.
 SPANTEX_CASE(sheared_and_magnified_planes) {
   const ready_map map(random_map(512, 512), wrap::repeat);
@@ -376,6 +385,7 @@ int main() {
       cmocka_unit_test(rows_of_fewer_samples),
       cmocka_unit_test(minified_planes),
       cmocka_unit_test(turned_planes_between_levels),
+      cmocka_unit_test(walls_to_the_side),
       cmocka_unit_test(sheared_and_magnified_planes),
       cmocka_unit_test(positions_that_stand_still_while_w_does_not),
       cmocka_unit_test(levels_that_do_not_halve_exactly),
