@@ -219,7 +219,7 @@ SPANTEX_INLINE void draw_batch_on_levels(const row_work& work, const batch& b, u
   }
   spans &= ~places.placed;
   for (int k = 0; spans >> k != 0; ++k)
-    if (spans >> k & 1) work.left[b.first + k] = !draw_alone<two, Channels>(work, b, k, scaled >> k & 1, of[k]);
+    if (spans >> k & 1) work.left[b.first + k] = !draw_by_itself<two, Channels>(work, b, k, scaled >> k & 1, of[k]);
 }
 
 // A batch is drawn while the next one is planned.

@@ -36,7 +36,7 @@ struct placed_span {
 template <bool TwoLevels>
 SPANTEX_INLINE v16 whole_of(v16 level) {
   if constexpr (TwoLevels) return _mm512_srai_epi32(level, 8);
-  else return _mm512_srai_epi32(_mm512_add_epi32(level, of32<127>()), 8);  // ceil(d + 1/2) - 1
+  else return _mm512_srai_epi32(_mm512_add_epi32(level, of32<to_whole<false>>()), 8);
 }
 
 // What is added to a level's colour, 14 and more bits of fraction: texels are signed, so 128 as well as what rounds; of one that is packed next, alpha.
@@ -103,7 +103,8 @@ SPANTEX_INLINE void place(const planar_map& map, int32_t last_level, int32_t bas
   }
   const auto find = [&]<bool Broad>(v16 level, int after, span_sections& out) SPANTEX_INLINED {
     find_sections<Broad>(map, Scaled ? scale_ends(map, reach, level, turns, s.scaled[after]) : end_texels(reach, level), level, out);
-    Scaled ? s.scaled[after].begin_at(out.column, out.row) : s.at.begin_at(out.column, out.row, after);
+    const __m128i column = _mm_srai_epi32(four(out.shift), 3), row = four(out.row);
+    Scaled ? s.scaled[after].begin_at(column, row) : s.at.begin_at(column, row, after);
   };
   find.template operator()<true>(fine_level, 0, s.fine);
   s.fit = s.fine.fit;
@@ -173,11 +174,11 @@ SPANTEX_INLINE v16 snapped_on(const placed_span<Deep>& s, const C& c, v16 u, v16
   return snapped_by(c, u, v, p.from_u[n][s.k], p.from_v[n][s.k], p.drop[s.k], p.turn[s.k]);
 }
 
-// The same where those on the fine level are known.
+// Those of a quad where they are known on the fine level.
 template <bool Scaled, int After, class C>
-SPANTEX_INLINE v16 snapped_after(const level_span& s, const C& c, v16 u, v16 v, v16, int n) { return snapped_on<Scaled, After>(s, c, u, v, n); }
+SPANTEX_INLINE v16 snapped_after(const level_span& s, const C& c, v16, int n) { return snapped_on<Scaled, After>(s, c, s.pixels->u[n], s.pixels->v[n], n); }
 template <bool Scaled, int After, class C, bool Deep>
-SPANTEX_INLINE v16 snapped_after(const placed_span<Deep>& s, const C&, v16, v16, v16 fine, int n) {
+SPANTEX_INLINE v16 snapped_after(const placed_span<Deep>& s, const C&, v16 fine, int n) {
   return _mm512_add_epi16(fine, set32((After == 1 ? s.at.to_coarse : s.at.to_next)[n][s.k]));
 }
 
@@ -207,7 +208,7 @@ struct quad_blender : blending<TwoLevels> {
     const v16 level = s.pixels->level[n];
     v16 fine[Channels], coarse[Channels];
     blended16(section_after<0, Fine>(blocks, s, n), now.fine, rounding, fine, of_last);
-    if constexpr (Levels == taken::more || (TwoLevels && Levels == taken::all)) blended_on<1>(s, n, s.pixels->u[n], s.pixels->v[n], now.at, coarse);
+    if constexpr (Levels == taken::more || (TwoLevels && Levels == taken::all)) blended_on<1>(s, n, now.at, coarse);
     meanwhile();
     if constexpr (Levels == taken::more) {
       const __mmask16 second = _mm512_cmpneq_epi32_mask(whole_of<TwoLevels>(level), set32(s.first_of(n)));
@@ -215,7 +216,7 @@ struct quad_blender : blending<TwoLevels> {
       for (int m = 0; m < Channels; ++m) fine[m] = _mm512_mask_mov_epi32(fine[m], second, coarse[m]);
       if constexpr (TwoLevels) {
         v16 next[Channels];
-        blended_on<2>(s, n, s.pixels->u[n], s.pixels->v[n], now.at, next);
+        blended_on<2>(s, n, now.at, next);
 #pragma GCC unroll 4
         for (int m = 0; m < Channels; ++m) coarse[m] = _mm512_mask_mov_epi32(coarse[m], second, next[m]);
       }
@@ -232,10 +233,10 @@ struct quad_blender : blending<TwoLevels> {
  private:
   // On the level that lies so many after the fine one; after what was read before: addresses of two levels at once are more than there are registers.
   template <int After, class Span>
-  SPANTEX_INLINE void blended_on(const Span& s, int n, v16 u, v16 v, v16 at, v16 (&out)[Channels]) const {
+  SPANTEX_INLINE void blended_on(const Span& s, int n, v16 at, v16 (&out)[Channels]) const {
     asm volatile("" ::: "memory");
     constexpr held_in where = Span::template after<Fine>;
-    blended16(section_after<After, where>(blocks, s, n), samples16<where, Span::template more_bits<After>>(from, snapped_after<Scaled, After>(s, from, u, v, at, n)), rounding, out, of_last);
+    blended16(section_after<After, where>(blocks, s, n), samples16<where, Span::template more_bits<After>>(from, snapped_after<Scaled, After>(s, from, at, n)), rounding, out, of_last);
   }
 };
 
@@ -327,7 +328,7 @@ SPANTEX_INLINE void blend_placed(const row_work& work, const batch& b, int k, co
 
 // Those that are on two whole levels, or have coarser levels' sections of more than eight rows. Seldom called: see blend_some().
 template <bool TwoLevels, int Channels>
-[[gnu::noinline]] void blend_unlike(const row_work& work, const batch& b, int k, bool crossing, const span_pixels& pixels, const batch_places& p) {
+[[gnu::noinline]] void blend_rare(const row_work& work, const batch& b, int k, bool crossing, const span_pixels& pixels, const batch_places& p) {
   const bool broad = p.broad >> k & 1;
   const auto with_deep = [&]<taken Levels>() SPANTEX_INLINED {
     broad ? blend_placed<TwoLevels, Channels, Levels, held_in::full, true>(work, b, k, pixels, p) : blend_placed<TwoLevels, Channels, Levels, held_in::narrow, true>(work, b, k, pixels, p);
@@ -341,7 +342,7 @@ template <bool TwoLevels, int Channels>
 template <bool TwoLevels, int Channels>
 SPANTEX_INLINE void blend_placed(const row_work& work, const batch& b, int k, bool alone, bool crossing, span_pixels& pixels, const batch_places& p) {
   if (p.excess[k] > 0) [[unlikely]] drop_bits(p.excess[k], pixels.u, pixels.v);
-  if (crossing || (p.coarse_deep >> k & 1)) [[unlikely]] return blend_unlike<TwoLevels, Channels>(work, b, k, crossing, pixels, p);
+  if (crossing || (p.coarse_deep >> k & 1)) [[unlikely]] return blend_rare<TwoLevels, Channels>(work, b, k, crossing, pixels, p);
   const bool deep = p.deep >> k & 1, broad = p.broad >> k & 1;
   const auto blended = [&]<taken Levels, held_in Fine>() SPANTEX_INLINED { blend_placed<TwoLevels, Channels, Levels, Fine, false>(work, b, k, pixels, p); };
   const auto by_width = [&]<taken Levels>() SPANTEX_INLINED {
@@ -369,7 +370,7 @@ SPANTEX_INLINE bool draw_at_levels(const row_work& work, const batch& b, int k, 
 
 // A span that was not placed with those of its batch.
 template <bool TwoLevels, int Channels>
-[[gnu::noinline]] bool draw_alone(const row_work& work, const batch& b, int k, bool scaled, span_pixels& pixels) {
+[[gnu::noinline]] bool draw_by_itself(const row_work& work, const batch& b, int k, bool scaled, span_pixels& pixels) {
   level_span s;
   s.pixels = &pixels;
   s.bits = bits_of(b, k);

@@ -39,11 +39,14 @@ SPANTEX_INLINE bool on_unlike_levels(const planar_map& map, const v16 (&level)[q
   return _mm512_cmpgt_epi32_mask(most, set32(last)) != 0;
 }
 
+// What makes a level's whole part the one that is taken: one level of detail d is ceil(d + 1/2) - 1.
+template <bool TwoLevels>
+constexpr int32_t to_whole = TwoLevels ? 0 : (1 << (q.level_bits - 1)) - 1;
+
 // The level of a span's first pixel, whole above its fraction, and whether the whole one is all of theirs; whether, besides, none of them takes anything from the next one.
 template <bool TwoLevels>
 SPANTEX_INLINE __m128i common_level_of(const v16 (&level)[quads], bool& alike, bool& alone) {
-  constexpr int32_t up = TwoLevels ? 0 : (1 << (q.level_bits - 1)) - 1;  // ceil(d + 1/2) - 1
-  const auto of = [&](int n) SPANTEX_INLINED { return TwoLevels ? level[n] : _mm512_add_epi32(level[n], of32<up>()); };
+  const auto of = [&](int n) SPANTEX_INLINED { return TwoLevels ? level[n] : _mm512_add_epi32(level[n], of32<to_whole<false>>()); };
   const v16 first = _mm512_broadcastd_epi32(_mm512_castsi512_si128(of(0)));
   const auto differing = [&](v16 so_far, v16 x) SPANTEX_INLINED { return _mm512_ternarylogic_epi32(so_far, x, first, 0xF6); };  // so_far | (x ^ first)
   const v16 differs = differing(differing(differing(_mm512_xor_si512(of(0), first), of(1)), of(2)), of(3));
@@ -56,10 +59,9 @@ SPANTEX_INLINE __m128i common_level_of(const v16 (&level)[quads], bool& alike, b
 // Of a span whose pixels are not all on one: the least level; whether they are on its whole one and the next.
 template <bool TwoLevels>
 SPANTEX_INLINE __m128i least_level_of(const v16 (&level)[quads], bool& next_too) {
-  const auto raised = [&](int32_t x) SPANTEX_INLINED { return x + (TwoLevels ? 0 : (1 << (q.level_bits - 1)) - 1); };
   const v16 least = _mm512_min_epi32(_mm512_min_epi32(level[0], level[1]), _mm512_min_epi32(level[2], level[3]));
   const v16 most = _mm512_max_epi32(_mm512_max_epi32(level[0], level[1]), _mm512_max_epi32(level[2], level[3]));
-  const int32_t from = raised(_mm512_reduce_min_epi32(least)), to = raised(_mm512_reduce_max_epi32(most));
+  const int32_t from = _mm512_reduce_min_epi32(least) + to_whole<TwoLevels>, to = _mm512_reduce_max_epi32(most) + to_whole<TwoLevels>;
   next_too = (to >> q.level_bits) - (from >> q.level_bits) == 1;
   return _mm_cvtsi32_si128(from);
 }

@@ -111,7 +111,6 @@ SPANTEX_INLINE section_kinds find_sections(const planar_map& map, __m256i level,
       put(s.at[1][1][n], _mm256_add_epi32(x1, y1));
       put(s.at[2][1][n], _mm256_add_epi32(x2, y1));
     }
-    put(s.column[n], lower(first[n]));
     put(s.shift[n], _mm256_slli_epi32(lower(first[n]), 3));
   }
   return {__mmask8(~(bad | bad >> batch_size)), kinds.deep, kinds.broad};
@@ -196,16 +195,17 @@ SPANTEX_WRAPS SPANTEX_INLINE void place_spans(const row_work& work, const batch&
   put(p.drop, shift);
   put(p.turn, _mm256_sub_epi32(shift, _mm256_set1_epi32(16)));
   // On the coarse level 2 and 256 take the place of 1 and 128, then 4 and 512; columns and rows are counted from others.
+  const auto column = [](const batch_sections& s, int n) SPANTEX_INLINED { return _mm256_srai_epi32(got(s.shift[n]), 3); };
   const auto to = [&](const batch_sections& s, int n, int levels) SPANTEX_INLINED {
-    const auto moved = [&](const int32_t (&fine_first)[batch_size], const int32_t (&first)[batch_size]) SPANTEX_INLINED {
-      const __m256i less = _mm256_sub_epi32(got(fine_first), _mm256_slli_epi32(got(first), levels));
+    const auto moved = [&](__m256i fine_first, __m256i first) SPANTEX_INLINED {
+      const __m256i less = _mm256_sub_epi32(fine_first, _mm256_slli_epi32(first, levels));
       return _mm256_add_epi32(_mm256_slli_epi32(less, q.subtexel_bits + 1), _mm256_set1_epi32(before * ((1 << levels) - 1)));
     };
-    return _mm256_mask_mov_epi16(_mm256_slli_epi32(moved(p.fine.row[n], s.row[n]), 16), 0x5555, moved(p.fine.column[n], s.column[n]));
+    return _mm256_mask_mov_epi16(_mm256_slli_epi32(moved(got(p.fine.row[n]), got(s.row[n])), 16), 0x5555, moved(column(p.fine, n), column(s, n)));
   };
 #pragma GCC unroll 4
   for (int n = 0; n < quads; ++n) {
-    put(p.from_u[n], _mm256_sub_epi32(from_u, _mm256_sllv_epi32(got(p.fine.column[n]), texel)));
+    put(p.from_u[n], _mm256_sub_epi32(from_u, _mm256_sllv_epi32(column(p.fine, n), texel)));
     put(p.from_v[n], _mm256_sub_epi32(from_v, _mm256_sllv_epi32(got(p.fine.row[n]), texel)));
     put(p.to_coarse[n], to(p.coarse, n, 1));
   }

@@ -174,8 +174,8 @@ SPANTEX_INLINE v16 snapped_by(const C& c, v16 u, v16 v, int32_t from_u, int32_t 
 
 // What leads to positions, less so many texels.
 SPANTEX_INLINE __m128i four(const int32_t* of) { return _mm_loadu_si128(reinterpret_cast<const __m128i*>(of)); }
-SPANTEX_INLINE void begin_four(int32_t* from, const int32_t (&texels)[quads], __m128i texel_bits) {
-  _mm_storeu_si128(reinterpret_cast<__m128i*>(from), _mm_sub_epi32(four(from), _mm_sllv_epi32(four(texels), texel_bits)));
+SPANTEX_INLINE void begin_four(int32_t* from, __m128i texels, __m128i texel_bits) {
+  _mm_storeu_si128(reinterpret_cast<__m128i*>(from), _mm_sub_epi32(four(from), _mm_sllv_epi32(texels, texel_bits)));
 }
 
 // The same for a span's quads on several levels each: what to add and how far to shift. Fine levels of the four quads, then the coarse ones, then those after them.
@@ -205,7 +205,7 @@ struct alignas(32) snapping {
   }
 
   // Columns and rows are counted from these, on the level that lies so many after the fine one.
-  SPANTEX_INLINE void begin_at(const int32_t (&column)[quads], const int32_t (&row)[quads], int after) {
+  SPANTEX_INLINE void begin_at(__m128i column, __m128i row, int after) {
     const __m128i texel = _mm_add_epi32(four(drop + after * quads), _mm_set1_epi32(q.subtexel_bits));
     begin_four(from_u + after * quads, column, texel);
     begin_four(from_v + after * quads, row, texel);
@@ -232,7 +232,7 @@ struct alignas(32) scaling {
     return _mm512_add_epi32(products(x, by, by), set32(from[k]));
   }
 
-  SPANTEX_INLINE void begin_at(const int32_t (&column)[quads], const int32_t (&row)[quads]) {
+  SPANTEX_INLINE void begin_at(__m128i column, __m128i row) {
     const __m128i subtexel = _mm_set1_epi32(q.subtexel_bits);
     begin_four(from, column, _mm_add_epi32(four(drop), subtexel));
     begin_four(from + quads, row, _mm_add_epi32(four(drop + quads), subtexel));

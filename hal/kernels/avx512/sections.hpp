@@ -54,8 +54,7 @@ SPANTEX_INLINE auto section_of(const uint8_t* blocks, const batch_sections& s, i
 // The sections of a span's four quads on a level each, from planar_map::blocks().
 struct alignas(64) span_sections {
   int32_t at[3][2][quads];
-  int32_t row[quads], column[quads];             // the first
-  int32_t shift[quads];                          // 8 column
+  int32_t row[quads], shift[quads];              // as batch_sections'
   uint32_t fit;                                  // bit n: quad n's section is in here
   bool deep, broad;                              // some are more than eight rows, more than eight columns
 };
@@ -104,9 +103,7 @@ SPANTEX_INLINE void find_sections(const planar_map& map, v16 texel, v16 level, s
   _mm512_storeu_si512(s.at, _mm512_add_epi32(_mm512_shuffle_i32x4(bytes, bytes, 0xA0), down));
   const __m256i both = _mm512_castsi512_si256(first);
   _mm_storeu_si128(reinterpret_cast<__m128i*>(s.row), _mm256_extracti128_si256(both, 1));
-  const __m128i column = _mm256_castsi256_si128(both);
-  _mm_storeu_si128(reinterpret_cast<__m128i*>(s.column), column);
-  _mm_storeu_si128(reinterpret_cast<__m128i*>(s.shift), _mm_slli_epi32(column, 3));
+  _mm_storeu_si128(reinterpret_cast<__m128i*>(s.shift), _mm_slli_epi32(_mm256_castsi256_si128(both), 3));
   const v16 size = _mm512_sub_epi32(texel, first);  // in the last ends' lanes
   const __mmask16 two = __mmask16(~firsts & _mm512_cmpgt_epi32_mask(size, of32<block_side - 1>()));
   s.deep = (two & of_v) != 0;

@@ -40,7 +40,7 @@ SPANTEX_INLINE bool draw_bilinear(const row_work& work, const batch& b, int k) {
 #pragma GCC unroll 4
     for (int n = 0; n < quads; ++n) {
       positions at = positions_of(b, k, o, n);
-      at.base_u -= b.sections.column[n][k];
+      at.base_u -= b.sections.shift[n][k] >> 3;
       at.base_v -= b.sections.row[n][k];
       out[n] = bilinear16<Channels>(as, section_of<Where>(map.blocks(), b.sections, k, n), samples16<Where>(from, snapped16(at, 0)));
     }
@@ -58,7 +58,7 @@ SPANTEX_INLINE bool draw_bilinear(const row_work& work, const batch& b, int k) {
 #pragma GCC unroll 4
     for (int n = 0; n < quads; ++n) {
       positions at = positions_of(b, k, o, n);
-      at.base_u -= sections.column[n];
+      at.base_u -= sections.shift[n] >> 3;
       at.base_v -= sections.row[n];
       out[n] = bilinear16<Channels>(as, section_of<held_in::narrow>(map.blocks(), sections, n), samples16<held_in::narrow>(from, snapped16(at, 0)));
     }
