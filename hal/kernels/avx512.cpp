@@ -163,19 +163,25 @@ struct next_batch {
   }
 };
 
-// Spans of a batch, bit k for span k, one after another.
+// A batch's spans that are wanted and planned, bit k for span k; others that are wanted are left.
+SPANTEX_INLINE uint32_t spans_of(const row_work& work, const batch& b) {
+  uint32_t spans = 0;
+  for (int k = 0; k < min_of(batch_size, work.count - b.first); ++k) {
+    if (work.masks[b.first + k] == 0) continue;
+    if (b.usable >> k & 1) spans |= 1u << k;
+    else work.left[b.first + k] = true;
+  }
+  return spans;
+}
+
+// One after another.
 template <filter Kind, int Channels>
 SPANTEX_INLINE void draw_batch(const row_work& work, const batch& b, uint32_t spans, next_batch<Kind>& next, plans_of_left<Kind>& left) {
   bool held = true;  // a span after one that local memory does not hold is left as well: it is like it as a rule
   for (int k = 0; k < batch_size; ++k) {
-    if constexpr (Kind == filter::nearest) {
-      if (k == 0) next.all();  // spans are shorter than what parts would leave to each other in memory
-    } else if (k < plan_parts) {
-      next.part(k);
-    }
+    if (k < plan_parts) next.part(k);
     if (!(spans >> k & 1)) continue;
-    if constexpr (Kind == filter::nearest) held = draw_nearest(work, b, k);
-    else if constexpr (Kind == filter::bilinear) held = held && draw_bilinear<Channels>(work, b, k);
+    if constexpr (Kind == filter::bilinear) held = held && draw_bilinear<Channels>(work, b, k);
     else held = held && draw_aniso<Channels>(work, b, k);
     if (held) continue;
     work.left[b.first + k] = true;
@@ -237,20 +243,39 @@ void draw_row(const row_work& work, plans_of_left<Kind>& left) {
     const batch& b = two[turn];
     after = order.next(first + batch_size);
     next_batch<Kind> next{work, steps, s, after, two[turn ^ 1]};
-    uint32_t spans = 0;
-    for (int k = 0; k < min_of(batch_size, work.count - first); ++k) {
-      if (work.masks[first + k] == 0) continue;
-      if (b.usable >> k & 1) spans |= 1u << k;
-      else work.left[first + k] = true;
-    }
+    const uint32_t spans = spans_of(work, b);
     if constexpr (uses_levels(Kind) && !uses_footprint(Kind)) draw_batch_on_levels<Kind, Channels>(work, b, spans, next);
     else draw_batch<Kind, Channels>(work, b, spans, next, left);
   }
 }
 
+// Spans of nearest are shorter than what a plan's parts would leave to each other in memory. Two batches are planned side by side instead: a plan is one chain of
+// dependent operations, and two of them take little longer than one.
+void draw_row_of_nearest(const row_work& work) {
+  constexpr int pair = 2;
+  const batch_steps steps(*work.map);
+  batch two[2][pair];
+  setup s[pair];
+  const auto plan = [&](int first, batch (&to)[pair]) {
+    for (int k = 0; k < plan_parts; ++k)
+      for (int n = 0; n < pair; ++n) next_batch<filter::nearest>{work, steps, s[n], first + n * batch_size, to[n]}.part(k);
+  };
+  plan(0, two[0]);
+  for (int first = 0, turn = 0; first < work.count; first += pair * batch_size, turn ^= 1) {
+    plan(first + pair * batch_size, two[turn ^ 1]);
+    for (int n = 0; n < pair && first + n * batch_size < work.count; ++n) {
+      const batch& b = two[turn][n];
+      const uint32_t spans = spans_of(work, b);
+      for (int k = 0; k < batch_size; ++k)
+        if (spans >> k & 1) draw_nearest(work, b, k);
+    }
+  }
+}
+
 template <filter Kind>
 void draw_row(const row_work& work, plans_of_left<Kind>& left) {
-  if (Kind != filter::nearest && work.texels->opaque()) draw_row<Kind, 3>(work, left);
+  if constexpr (Kind == filter::nearest) draw_row_of_nearest(work);
+  else if (work.texels->opaque()) draw_row<Kind, 3>(work, left);
   else draw_row<Kind, 4>(work, left);
 }
 

@@ -101,6 +101,18 @@ SPANTEX_CASE(sheared_and_magnified_planes) {
     }
 }
 
+// A span's texels of level 0 from less than four on a side to more than eight, on maps that are turned a little, so that no axis is upright.
+SPANTEX_CASE(spans_of_four_to_nine_texels) {
+  const ready_map map(random_map(256, 256), wrap::repeat);
+  for (double scale = 0.3; scale < 1.2; scale += 0.03)
+    for (const double turn : {0.02, -0.11, 1.4}) {
+      const double across = scale * cos(turn), down = scale * sin(turn), m[9] = {across, -down, 31.3, down, across, 7.9, 0, 0.00003, 1};
+      plane p{};
+      SPANTEX_ASSERT_OK(make_plane(homography_of(m), {0, 0, 160, 96}, p));
+      for (const filter kind : {filter::nearest, filter::bilinear}) draw_all(p, map, kind, {0, 0, 160, 96}, 160, 96);
+    }
+}
+
 // W grows fast while positions hardly move: what bounds them takes all bits of an offset, and as much again for the division.
 SPANTEX_CASE(positions_that_stand_still_while_w_does_not) {
   static constexpr struct { int32_t width, height; double m[9]; } every[] = {
@@ -387,6 +399,7 @@ int main() {
       cmocka_unit_test(turned_planes_between_levels),
       cmocka_unit_test(walls_to_the_side),
       cmocka_unit_test(sheared_and_magnified_planes),
+      cmocka_unit_test(spans_of_four_to_nine_texels),
       cmocka_unit_test(positions_that_stand_still_while_w_does_not),
       cmocka_unit_test(levels_that_do_not_halve_exactly),
       cmocka_unit_test(long_rows_on_small_maps),

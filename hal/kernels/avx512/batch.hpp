@@ -78,6 +78,7 @@ struct alignas(64) batch {
   uint32_t level;                                        // aniso; bit k: w is constant
   uint32_t magnified;                                    // bit k: every pixel's level of detail is 0
   uint32_t placed, deep, broad;                         // bit k: its sections are known; how they lie (section_kinds)
+  uint32_t together, few_rows;                          // nearest; bit k: its quads have one section; which is no more than four rows
 };
 constexpr int divide_terms = 5;
 

@@ -37,6 +37,10 @@ struct quad_bounds {
     return n & 2 ? _mm512_add_epi32(across, below) : _mm512_sub_epi32(across, below);
   }
   SPANTEX_INLINE v16 low(int n) const { return _mm512_add_epi32(base, _mm512_srav_epi32(_mm512_sub_epi32(centre(n), spread), to16)); }
+  // Of all quads.
+  SPANTEX_INLINE v16 aside() const { return _mm512_add_epi32(_mm512_add_epi32(_mm512_abs_epi32(right), _mm512_abs_epi32(below)), spread); }
+  SPANTEX_INLINE v16 lowest() const { return _mm512_add_epi32(base, _mm512_srav_epi32(_mm512_sub_epi32(middle, aside()), to16)); }
+  SPANTEX_INLINE v16 highest() const { return _mm512_add_epi32(base, _mm512_srav_epi32(_mm512_add_epi32(middle, aside()), to16)); }
   SPANTEX_INLINE v16 high(int n) const { return _mm512_add_epi32(base, _mm512_srav_epi32(_mm512_add_epi32(centre(n), spread), to16)); }
 };
 
@@ -132,10 +136,16 @@ SPANTEX_WRAPS SPANTEX_INLINE void place_rows(const row_work& work, __mmask8 flat
   const v16 base = _mm512_srai_epi32(bounds.base, 16), seven = of32<7>(), bits = both_axes(fraction, fraction), one = of32<1>();
   const v16 half = _mm512_sllv_epi32(one, _mm512_sub_epi32(bits, of32<q.coordinate_bits + 1>()));
   const v16 least = of32<-texel_apron>(), most = both_axes(map.rows_across() + texel_apron - block_side, map.rows_down() + texel_apron - block_side);
+  // Where all quads of a span take from one 8x8, they have it in common.
+  const v16 span_first = _mm512_srai_epi32(bounds.lowest(), 16), reached = _mm512_sub_epi32(_mm512_srai_epi32(bounds.highest(), 16), span_first);
+  const auto both = [](__mmask16 axes) SPANTEX_INLINED { return __mmask8(axes & axes >> batch_size); };
+  b.together = both(_mm512_cmple_epi32_mask(reached, seven));
+  b.few_rows = _mm512_cmple_epi32_mask(reached, of32<block_side / 2 - 1>()) >> batch_size;
+  const __mmask16 together = __mmask16(b.together | b.together << batch_size);
   __mmask16 fit = 0xFFFF;
 #pragma GCC unroll 4
   for (int n = 0; n < quads; ++n) {
-    const v16 first = _mm512_srai_epi32(bounds.low(n), 16), end = _mm512_srai_epi32(bounds.high(n), 16);
+    const v16 first = _mm512_mask_mov_epi32(_mm512_srai_epi32(bounds.low(n), 16), together, span_first), end = _mm512_srai_epi32(bounds.high(n), 16);
     fit = __mmask16(fit & _mm512_cmple_epi32_mask(_mm512_sub_epi32(end, first), seven) & _mm512_cmpge_epi32_mask(first, least) & _mm512_cmple_epi32_mask(first, most));
     _mm512_store_si512(b.from[n], _mm512_add_epi32(half, _mm512_sllv_epi32(_mm512_sub_epi32(base, first), bits)));
     const __m256i down = _mm256_mullo_epi32(_mm512_extracti64x4_epi64(first, 1), _mm256_set1_epi32(map.row_stride()));
@@ -143,7 +153,7 @@ SPANTEX_WRAPS SPANTEX_INLINE void place_rows(const row_work& work, __mmask8 flat
   }
   put(b.column_bits, fraction);
   put(b.row_bits, _mm256_sub_epi32(fraction, _mm256_set1_epi32(3)));
-  b.placed = flat & _mm256_cmpneq_epi32_mask(got(b.terms), _mm256_set1_epi32(divide_terms)) & fit & (fit >> 8);
+  b.placed = flat & _mm256_cmpneq_epi32_mask(got(b.terms), _mm256_set1_epi32(divide_terms)) & both(fit);
 }
 
 // Where the quads of spans lie on their pixels' whole level and the one after it; and, where some pixels' whole level is that one, on a third; and what snaps positions to them

@@ -67,25 +67,45 @@ SPANTEX_INLINE bool draw_bilinear(const row_work& work, const batch& b, int k) {
   return true;
 }
 
-// 8x8 texels in four registers.
-SPANTEX_INLINE v16 texel_of_rows(const rgba8* at, int32_t stride, v16 index) {
-  const auto half = [&](int y) { return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(at + int64_t(y) * stride)); };
-  const auto two = [&](int y) { return _mm512_inserti64x4(_mm512_castsi256_si512(half(y)), half(y + 1), 1); };
-  const v16 upper_rows = _mm512_permutex2var_epi32(two(0), index, two(2)), lower_rows = _mm512_permutex2var_epi32(two(4), index, two(6));
-  return _mm512_mask_mov_epi32(upper_rows, _mm512_test_epi32_mask(index, of32<32>()), lower_rows);
-}
+// Texels in rows of eight, two rows a register.
+template <int Rows>
+struct texel_rows {
+  v16 two[Rows / 2];
+  SPANTEX_INLINE texel_rows(const rgba8* at, int32_t stride) {
+    const auto half = [&](int y) { return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(at + int64_t(y) * stride)); };
+#pragma GCC unroll 4
+    for (int n = 0; n < Rows / 2; ++n) two[n] = _mm512_inserti64x4(_mm512_castsi256_si512(half(2 * n)), half(2 * n + 1), 1);
+  }
+  SPANTEX_INLINE v16 at(v16 index) const {
+    const v16 upper_rows = _mm512_permutex2var_epi32(two[0], index, two[1]);
+    if constexpr (Rows == 4) return upper_rows;
+    else return _mm512_mask_mov_epi32(upper_rows, _mm512_test_epi32_mask(index, of32<32>()), _mm512_permutex2var_epi32(two[2], index, two[3]));
+  }
+};
 
-SPANTEX_INLINE bool draw_nearest(const row_work& work, const batch& b, int k) {
+SPANTEX_INLINE void draw_nearest(const row_work& work, const batch& b, int k) {
   const planar_map& map = *work.texels;
   offsets o = offsets_of(b, k);
   v16 out[quads];
   if (b.placed >> k & 1) {
     const v16 column_bits = set32(b.column_bits[k]), row_bits = set32(b.row_bits[k]), across = of32<block_side - 1>();
     if (o.bits != b.column_bits[k]) [[unlikely]] drop_bits(o.bits - b.column_bits[k], o.u, o.v);
+    const auto index = [&](int n, v16 from_u, v16 from_v) SPANTEX_INLINED {
+      const v16 u = _mm512_srlv_epi32(_mm512_add_epi32(o.u[n], from_u), column_bits), v = _mm512_srlv_epi32(_mm512_add_epi32(o.v[n], from_v), row_bits);
+      return _mm512_ternarylogic_epi32(v, u, across, 0xD8);
+    };
+    const auto rows = [&]<int Rows>(int n) SPANTEX_INLINED { return texel_rows<Rows>(map.row(0) + b.row_at[n][k], map.row_stride()); };
+    const auto from_one = [&]<int Rows>() SPANTEX_INLINED {
+      const texel_rows<Rows> texels = rows.template operator()<Rows>(0);
+      const v16 from_u = set32(b.from[0][0][k]), from_v = set32(b.from[0][1][k]);
 #pragma GCC unroll 4
-    for (int n = 0; n < quads; ++n) {
-      const v16 u = _mm512_srlv_epi32(_mm512_add_epi32(o.u[n], set32(b.from[n][0][k])), column_bits), v = _mm512_srlv_epi32(_mm512_add_epi32(o.v[n], set32(b.from[n][1][k])), row_bits);
-      out[n] = texel_of_rows(map.row(0) + b.row_at[n][k], map.row_stride(), _mm512_ternarylogic_epi32(v, u, across, 0xD8));
+      for (int n = 0; n < quads; ++n) out[n] = texels.at(index(n, from_u, from_v));
+    };
+    if (b.together >> k & 1) [[unlikely]] {  // where it is likely, it is all along
+      b.few_rows >> k & 1 ? from_one.template operator()<4>() : from_one.template operator()<8>();
+    } else {
+#pragma GCC unroll 4
+      for (int n = 0; n < quads; ++n) out[n] = rows.template operator()<8>(n).at(index(n, set32(b.from[n][0][k]), set32(b.from[n][1][k])));
     }
   } else {
     const v16 half = set32(int32_t(o.half)), bits = set32(o.bits);
@@ -98,5 +118,4 @@ SPANTEX_INLINE bool draw_nearest(const row_work& work, const batch& b, int k) {
     }
   }
   write(work, b.sx + k, work.masks[b.first + k], out);
-  return true;
 }
