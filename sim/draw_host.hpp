@@ -49,9 +49,10 @@ inline constexpr std::array<named<filter>, 11> filter_names{{{"nearest", filter:
                                                             {"trilinear", filter::trilinear}, {"trilinear3", filter::trilinear3},
                                                             {"squares", filter::squares}, {"aniso", filter::aniso},
                                                             {"step", filter::step}, {"hat", filter::hat}, {"contour", filter::contour}}};
-inline constexpr std::array<named<kernels::choice>, 7> kernel_names{
+inline constexpr std::array<named<kernels::choice>, 8> kernel_names{
     {{"fastest", kernels::choice::fastest}, {"scalar", kernels::choice::scalar}, {"words", kernels::choice::words}, {"sse41", kernels::choice::sse41},
-     {"avx2", kernels::choice::avx2}, {"neon", kernels::choice::neon}, {"avx512", kernels::choice::avx512}}};
+     {"avx2", kernels::choice::avx2}, {"neon", kernels::choice::neon}, {"avx512", kernels::choice::avx512},
+     {"avx512-gathers", kernels::choice::avx512_gathers}}};
 inline constexpr std::array<named<sampling_space>, 2> space_names{{{"screen", sampling_space::screen}, {"object", sampling_space::object}}};
 inline constexpr std::array<named<level_formula>, 3> level_names{
     {{"jacobian", level_formula::jacobian}, {"major", level_formula::major}, {"minor", level_formula::minor}}};

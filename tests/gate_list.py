@@ -5,7 +5,7 @@ import pathlib
 F = "firmware/spantex/"
 
 STRESS = ["stress", "a_short_run*", [f"sim/stress{part}.cpp" for part in ("", "_describe", "_footprints", "_judge", "_planes", "_polygons")]]
-KERNELS = [f"hal/kernels/{name}.cpp" for name in ("avx2", "avx512", "byte_planes", "kernel", "neon", "planar_map", "row_levels", "shortcuts", "sse41", "upright", "words")]
+KERNELS = [f"hal/kernels/{name}.cpp" for name in ("avx2", "avx512", "avx512_gathers", "avx512_loads", "byte_planes", "kernel", "neon", "planar_map", "row_levels", "shortcuts", "sse41", "upright", "words")]
 OBJECT_SPACE = ["sim/" + name + ".cpp" for name in ("distance_field", "draw_host", "encode", "encode_bc", "encode_etc", "figures", "file", "ideal",
                                                     "image", "map", "object_space_host", "palette", "pattern", "prefilter", "quality", "reference",
                                                     "scene", "trace", "unchanged", "world")] + KERNELS
@@ -518,7 +518,9 @@ if "avx512_vbmi2" in pathlib.Path("/proc/cpuinfo").read_text():
         ("AVX-512: the lower of two rows by the upper one's mask", "hal/kernels/vectors/spans.hpp", "__mmask8(mask >> span_side)", "__mmask8(mask)", "kernels", "*", KERNELS),
         ("AVX-512: rows' lanes on several levels half a texel off", "hal/kernels/vectors/spans.hpp", "(half >> q.subtexel_bits) - half;", "half >> q.subtexel_bits;", "kernels", "minified_planes*", KERNELS),
         ("AVX-512: levels of the upper of two rows for both", "hal/kernels/vectors/positions.hpp", "x[k] = row[y + 1];", "x[k] = row[y];", "kernels", "*", KERNELS),
-        ("AVX-512: texels of other pixels", "hal/kernels/vectors/avx512.hpp", "k == 0 ? _mm512_unpacklo_epi32(all, zero)", "k == 1 ? _mm512_unpacklo_epi32(all, zero)", "kernels", "minified_planes*", KERNELS),
+        ("AVX-512: pairs of texels of other pixels, loaded", "hal/kernels/vectors/texels_avx512.hpp", "at[4 * n + 2 * k + m]", "at[4 * n + m]", "kernels", "random_planes*", KERNELS),
+        ("AVX-512: single texels of other pixels, loaded", "hal/kernels/vectors/texels_avx512.hpp", "four(of + 4), 1)", "four(of), 1)", "kernels", "minified_planes*", KERNELS),
+        ("AVX-512: texels of other pixels", "hal/kernels/vectors/texels_avx512.hpp", "k == 0 ? _mm512_unpacklo_epi32(all, zero)", "k == 1 ? _mm512_unpacklo_epi32(all, zero)", "kernels", "minified_planes*", KERNELS),
         ("AVX-512: two samples taken for one", "hal/kernels/avx512/aniso.hpp", ">= samples ? as_many : fewer)", ">= samples + 1 ? as_many : fewer)", "kernels", "random_planes*", KERNELS),
         ("AVX-512: third samples on the first", "hal/kernels/avx512/aniso.hpp", "max_of(n - 1 - 2 * k, 0)", "max_of(n - 1, 0)", "kernels", "random_planes*", KERNELS),
         ("AVX-512: rows' sections without their ends", "hal/kernels/avx512/aniso.hpp", "_mm512_mask_add_epi32(_mm512_sub_epi32(middle, aside), 0xFF00, middle, aside)", "middle", "kernels", "random_planes*", KERNELS),

@@ -16,7 +16,7 @@ using renderer_type = renderer<engine_type, prof>;
 
 struct named_kernel { const char* name; kernels::choice which; };
 constexpr named_kernel every_kernel[] = {{"words", kernels::choice::words}, {"SSE4.1", kernels::choice::sse41}, {"AVX2", kernels::choice::avx2}, {"NEON", kernels::choice::neon},
-                                         {"AVX-512", kernels::choice::avx512}};
+                                         {"AVX-512", kernels::choice::avx512}, {"AVX-512, gathers", kernels::choice::avx512_gathers}};
 
 constexpr filter filters[] = {filter::nearest, filter::bilinear, filter::mip_bilinear, filter::trilinear, filter::aniso};
 constexpr wrap wraps[] = {wrap::repeat, wrap::clamp, wrap::mirror};

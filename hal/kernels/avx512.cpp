@@ -5,6 +5,7 @@
 // Every number equals the scalar datapath's (docs/SPEC.md). Rounding shifts are folded: floor(floor(x / 2^a) + k) / 2^b) = floor((x + k 2^a) / 2^(a + b)),
 // so a position is rounded to coordinate_bits and then snapped in one addition and one shift; it is counted from its section's first texel, so that
 // it may wrap around in 32 bits before that is taken off.
+#include "avx512_rows.hpp"
 #include "kernel.hpp"
 #include "level_rows.hpp"
 #include "numbers.hpp"
@@ -31,31 +32,9 @@ namespace spantex::kernels {
 
 namespace {
 
-// What local memory does not hold: the kernel of the other machines.
-namespace by_rows {
-#define SPANTEX_TABLES 0
-#define SPANTEX_AVX2 0
-#define SPANTEX_AVX512 1
-#include "vectors/common.hpp"
-constexpr int width = 16;
-#include "vectors/lanes.hpp"
-#include "vectors/avx512.hpp"
-#include "vectors/series_x86.hpp"
-#include "vectors/reciprocal.hpp"
-#include "vectors/even_odd.hpp"
-#include "vectors/log2.hpp"
-#include "vectors/levels.hpp"
-#include "vectors/pixels.hpp"
-#include "vectors/plan_lanes.hpp"
-#include "vectors/positions.hpp"
-#include "vectors/spans.hpp"
-#include "vectors/aniso.hpp"
+#include "vectors/inlined.hpp"
+#include "vectors/texels_avx512.hpp"
 #include "vectors/two_rows.hpp"
-#include "vectors/kernel.hpp"
-}  // namespace by_rows
-
-namespace by_blocks {
-
 #include "avx512/lanes.hpp"
 #include "avx512/quads.hpp"
 #include "avx512/log2.hpp"
@@ -251,6 +230,7 @@ void draw_row(const row_work& work, plans_of_left<Kind>& left) {
 
 // Spans of nearest are shorter than what a plan's parts would leave to each other in memory. Two batches are planned side by side instead: a plan is one chain of
 // dependent operations, and two of them take little longer than one.
+template <bool Gathers>
 void draw_row_of_nearest(const row_work& work) {
   constexpr int pair = 2;
   const batch_steps steps(*work.map);
@@ -267,32 +247,31 @@ void draw_row_of_nearest(const row_work& work) {
       const batch& b = two[turn][n];
       const uint32_t spans = spans_of(work, b);
       for (int k = 0; k < batch_size; ++k)
-        if (spans >> k & 1) draw_nearest(work, b, k);
+        if (spans >> k & 1) draw_nearest<Gathers>(work, b, k);
     }
   }
 }
 
-template <filter Kind>
-void draw_row(const row_work& work, plans_of_left<Kind>& left) {
-  if constexpr (Kind == filter::nearest) draw_row_of_nearest(work);
+template <filter Kind, bool Gathers>
+void draw_row_by_blocks(const row_work& work, plans_of_left<Kind>& left) {
+  if constexpr (Kind == filter::nearest) draw_row_of_nearest<Gathers>(work);
   else if (work.texels->opaque()) draw_row<Kind, 3>(work, left);
   else draw_row<Kind, 4>(work, left);
 }
 
-}  // namespace by_blocks
-
 // What local memory does not hold is drawn from the map's rows.
-template <filter Kind>
+template <filter Kind, bool Gathers>
 void draw_row(const row_work& work) {
   if constexpr (!uses_footprint(Kind))
-    if (work.upright != nullptr) return by_blocks::draw_upright<Kind>(work);
-  by_blocks::plans_of_left<Kind> left;
-  by_blocks::draw_row<Kind>(work, left);
+    if (work.upright != nullptr) return draw_upright<Kind>(work);
+  const row_reader reader = Gathers ? gathering_reader() : loading_reader();
+  plans_of_left<Kind> left;
+  draw_row_by_blocks<Kind, Gathers>(work, left);
   span_mask rest[max_row_spans];
   int from = work.count, to = 0;
   for (int k = 0; k < work.count; ++k) {
     if constexpr (uses_footprint(Kind))
-      if (left.known[k]) work.left[k] = !by_rows::draw_planned<Kind>(work, k, left.of[k]);
+      if (left.known[k]) work.left[k] = !reader.planned_aniso(work, k, left.of[k]);
     rest[k] = work.left[k] ? work.masks[k] : 0;
     if (!work.left[k]) continue;
     work.left[k] = false;
@@ -305,11 +284,13 @@ void draw_row(const row_work& work) {
   more.count = to - from;
   more.masks = rest + from;
   more.left += from;
-  by_rows::draw_any_row(more);
+  reader.any_row(more);
 }
 
+template <bool Gathers>
 void draw_any_row(const row_work& work) {
-  draw_by_filter({draw_row<filter::nearest>, draw_row<filter::bilinear>, draw_row<filter::mip_bilinear>, draw_row<filter::trilinear>, draw_row<filter::aniso>}, work);
+  draw_by_filter({draw_row<filter::nearest, Gathers>, draw_row<filter::bilinear, Gathers>, draw_row<filter::mip_bilinear, Gathers>, draw_row<filter::trilinear, Gathers>,
+                  draw_row<filter::aniso, Gathers>}, work);
 }
 
 }  // namespace
@@ -323,17 +304,30 @@ void draw_any_row(const row_work& work) {
 
 namespace spantex::kernels {
 
-row_kernel avx512_kernel() {
-  const bool has = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512cd") &&
-                   __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512vbmi") &&
-                   __builtin_cpu_supports("avx512vbmi2") && __builtin_cpu_supports("avx512vnni");
-  return has ? draw_any_row : nullptr;
+namespace {
+
+bool has_avx512() {
+  return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512cd") && __builtin_cpu_supports("avx512dq") &&
+         __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512vbmi") && __builtin_cpu_supports("avx512vbmi2") && __builtin_cpu_supports("avx512vnni");
+}
+
+}  // namespace
+
+row_kernel avx512_gathers_kernel() { return has_avx512() ? draw_any_row<true> : nullptr; }
+row_kernel avx512_loads_kernel() { return has_avx512() ? draw_any_row<false> : nullptr; }
+
+// Ice Lake, Tiger Lake and Rocket Lake do not tell whether their microcode slows gathers; it does where it is up to date.
+bool gathers_are_fast() {
+  if (!__builtin_cpu_is("intel")) return false;
+  return !__builtin_cpu_is("icelake-client") && !__builtin_cpu_is("icelake-server") && !__builtin_cpu_is("tigerlake") && !__builtin_cpu_is("rocketlake");
 }
 
 }  // namespace spantex::kernels
 
 #else
 namespace spantex::kernels {
-row_kernel avx512_kernel() { return nullptr; }
+row_kernel avx512_gathers_kernel() { return nullptr; }
+row_kernel avx512_loads_kernel() { return nullptr; }
+bool gathers_are_fast() { return false; }
 }  // namespace spantex::kernels
 #endif

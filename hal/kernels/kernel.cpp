@@ -19,6 +19,7 @@ void draw_by_filter(const row_kernels& kernels, const row_work& work) {
 
 choice resolved(choice c) {
   if (c != choice::fastest) return c;
+  if (gathers_are_fast() && avx512_gathers_kernel() != nullptr) return choice::avx512_gathers;
   for (const choice one : {choice::avx512, choice::avx2, choice::sse41, choice::neon})
     if (kernel_of(one) != nullptr) return one;
   return choice::words;
@@ -30,7 +31,8 @@ row_kernel kernel_of(choice c) {
     case choice::sse41: return sse41_kernel();
     case choice::avx2: return avx2_kernel();
     case choice::neon: return neon_kernel();
-    case choice::avx512: return avx512_kernel();
+    case choice::avx512: return avx512_loads_kernel();
+    case choice::avx512_gathers: return avx512_gathers_kernel();
     case choice::fastest:
     case choice::scalar: break;
   }
@@ -43,7 +45,8 @@ bool draws(filter f) {
 
 layout layout_of(choice c) {
   switch (resolved(c)) {
-    case choice::avx512: return layout::rows_and_blocks;
+    case choice::avx512:
+    case choice::avx512_gathers: return layout::rows_and_blocks;
     case choice::neon: return layout::rows_and_planes;
     default: return layout::rows;
   }

@@ -31,7 +31,7 @@ struct row_work {
 
 using row_kernel = void (*)(const row_work&);
 
-enum class choice : uint8_t { fastest, scalar, words, sse41, avx2, neon, avx512 };
+enum class choice : uint8_t { fastest, scalar, words, sse41, avx2, neon, avx512, avx512_gathers };
 
 inline constexpr int32_t longest_row = 2048;  // texels of level 0 along a row of samples (aniso) that kernels draw
 
@@ -43,7 +43,9 @@ struct row_kernels { row_kernel nearest, bilinear, mip_bilinear, trilinear, anis
 void draw_by_filter(const row_kernels& kernels, const row_work& work);
 
 // Null where this machine has not what it takes.
-row_kernel avx512_kernel();  // AVX-512 F, BW, CD, DQ, VL, VBMI, VBMI2, VNNI
+row_kernel avx512_loads_kernel();    // AVX-512 F, BW, CD, DQ, VL, VBMI, VBMI2, VNNI; what local memory does not hold is loaded texel by texel
+row_kernel avx512_gathers_kernel();  // the same, gathered
+bool gathers_are_fast();             // on this processor
 row_kernel avx2_kernel();    // AVX2, BMI, BMI2, LZCNT
 row_kernel sse41_kernel();   // SSE4.1
 row_kernel neon_kernel();    // arm64

@@ -109,7 +109,7 @@ void print_heading(const bench_machine& m, const bench_options& o, const peer_li
   printf("one thread for everybody, %s pixels, at most %d turns each, medians, quartiles and least of ns a pixel\n", o.size.c_str(), o.rounds);
   if (o.samples) printf("ours by aniso: at most %d samples a pixel\n", *o.samples);
   for (const auto& p : peers) printf("peer %s: %s\n", p->name(), p->version());
-  printf("\n%-8s %-12s %-9s %-8s %-8s %8s %17s %8s %7s %6s %8s %7s %7s\n", "scene", "filter", "drawer", "profile", "kernel", "ns", "quartiles", "least", "rms",
+  printf("\n%-8s %-12s %-9s %-8s %-14s %8s %17s %8s %7s %6s %8s %7s %7s\n", "scene", "filter", "drawer", "profile", "kernel", "ns", "quartiles", "least", "rms",
          "worst", "PSNR dB", "words", "ours dB");
 }
 
@@ -119,7 +119,7 @@ void print_row(const bench_row& r) {
   if (r.counts) snprintf(words, sizeof words, "%.2f", double(r.counts->words_loaded) / r.pixels);
   else snprintf(ours, sizeof ours, "%.2f%s", r.psnr_ours_db, r.right_picture ? "" : " WRONG");
   const auto dash = [](const std::string& s) { return s.empty() ? "-" : s.c_str(); };
-  printf("%-8s %-12s %-9s %-8s %-8s %8.2f %17s %8.2f %7.3f %6.0f %8.2f %7s %7s\n", r.scene.c_str(), r.filter.c_str(), r.drawer.c_str(), dash(r.profile),
+  printf("%-8s %-12s %-9s %-8s %-14s %8.2f %17s %8.2f %7.3f %6.0f %8.2f %7s %7s\n", r.scene.c_str(), r.filter.c_str(), r.drawer.c_str(), dash(r.profile),
          dash(r.kernel), r.ns_per_pixel.median, quartiles, r.ns_per_pixel.least, r.error.rms, r.error.worst, r.error.psnr_db, words, ours);
 }
 

@@ -83,6 +83,7 @@ struct texel_rows {
   }
 };
 
+template <bool Gathers>
 SPANTEX_INLINE void draw_nearest(const row_work& work, const batch& b, int k) {
   const planar_map& map = *work.texels;
   offsets o = offsets_of(b, k);
@@ -114,7 +115,9 @@ SPANTEX_INLINE void draw_nearest(const row_work& work, const batch& b, int k) {
       const v16 u = _mm512_add_epi32(_mm512_srav_epi32(_mm512_add_epi32(o.u[n], half), bits), base_u);
       const v16 v = _mm512_add_epi32(_mm512_srav_epi32(_mm512_add_epi32(o.v[n], half), bits), base_v);
       const v16 x = wrapped16(u, map.width(), map.wrap_u()), y = wrapped16(v, map.height(), map.wrap_v());
-      out[n] = _mm512_i32gather_epi32(_mm512_add_epi32(_mm512_mullo_epi32(y, stride), x), map.row(0), 4);
+      alignas(64) uint32_t at[span_pixel_count / quads];
+      _mm512_store_si512(at, _mm512_add_epi32(_mm512_mullo_epi32(y, stride), x));
+      out[n] = texels_from<Gathers>(map.row(0), at);
     }
   }
   write(work, b.sx + k, work.masks[b.first + k], out);

@@ -183,7 +183,7 @@ template <bool Two>
 struct level_walk {
   const upright_rows& rows;
   column_pair columns;
-  by_rows::two_rows<blended_row> two;
+  two_rows<blended_row> two;
   SPANTEX_INLINE level_walk(const upright_rows& r, const int32_t* pair) : rows(r), columns(pair) {}
 
   SPANTEX_INLINE void to(int j) {
@@ -194,7 +194,6 @@ struct level_walk {
   SPANTEX_INLINE v16 pixels(int j, int k) const { return even(colours(j, k), rest(change(k), rows.below[j])); }
 };
 
-using by_rows::rounded;
 
 struct upright_levels { upright_rows fine, coarse; const int32_t *fine_pairs, *coarse_pairs; part between; };
 

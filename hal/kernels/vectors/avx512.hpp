@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Vector kernels: what AVX-512 has no operator for; sixteen lanes are two rows of a span. Included by ../avx512.cpp alone.
+// Vector kernels: what AVX-512 has no operator for; sixteen lanes are two rows of a span. Included by ../avx512/by_rows.hpp alone.
 #pragma once
 
 constexpr bool places_first = true;
@@ -67,10 +67,8 @@ SPANTEX_INLINE blends blend(const rgba8* top, const uint32_t* top_at, const rgba
   const v pairs = of_each_quarter(_mm_setr_epi8(0, 4, 1, 5, 2, 6, 3, 7, 8, 12, 9, 13, 10, 14, 11, 15));
   const v weights = add16(fraction, subtract16(number<0x00800080>(), v(_mm512_slli_epi16(raw(fraction), 8))));
   const v v_of_first = of_each_quarter(_mm_setr_epi8(-1, 2, -1, 2, -1, 2, -1, 2, -1, 6, -1, 6, -1, 6, -1, 6));
-  const raw zero = _mm512_setzero_si512();
   const auto across = [&](const rgba8* from, const uint32_t* at, int k, v of_u) SPANTEX_INLINED {
-    const raw all = _mm512_load_si512(at), index = k == 0 ? _mm512_unpacklo_epi32(all, zero) : _mm512_unpackhi_epi32(all, zero);
-    return v(_mm512_maddubs_epi16(_mm512_shuffle_epi8(_mm512_i64gather_epi64(index, from, sizeof(rgba8)), raw(pairs)), raw(of_u)));
+    return v(_mm512_maddubs_epi16(_mm512_shuffle_epi8(pairs_from<SPANTEX_GATHERS>(from, at, k), raw(pairs)), raw(of_u)));
   };
   blends b;
 #pragma GCC unroll 2
@@ -85,4 +83,4 @@ SPANTEX_INLINE blends blend(const rgba8* top, const uint32_t* top_at, const rgba
 
 SPANTEX_INLINE v packed(v a, v b) { return v(_mm512_packus_epi16(raw(a), raw(b))); }
 
-SPANTEX_INLINE v texels_at(const rgba8* from, const uint32_t* at) { return v(_mm512_i32gather_epi32(_mm512_load_si512(at), from, sizeof(rgba8))); }
+SPANTEX_INLINE v texels_at(const rgba8* from, const uint32_t* at) { return v(texels_from<SPANTEX_GATHERS>(from, at)); }

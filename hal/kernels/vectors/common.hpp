@@ -1,16 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Vector kernels: what they are written for, and what must melt into its caller. Included by the machines' files alone.
+// Vector kernels: what they are written for. Included by the machines' files alone.
 #pragma once
 
-#if defined(__has_feature)
-#if __has_feature(address_sanitizer)
-#define SPANTEX_INLINED  // it takes minutes over functions as large as these
-#endif
-#endif
-#if !defined(SPANTEX_INLINED)
-#define SPANTEX_INLINED __attribute__((always_inline))
-#endif
-#define SPANTEX_INLINE SPANTEX_INLINED inline
+#include "inlined.hpp"
 
 constexpr profile q = profiles::standard;
 using prof = fixed_profile<q>;

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+// AVX-512 kernel: what local memory does not hold: the other machines' kernel, with sixteen lanes. Texels are gathered if SPANTEX_GATHERS, else loaded one by one.
+// Included by ../avx512_gathers.cpp and ../avx512_loads.cpp alone.
+#pragma once
+#include "../avx512_rows.hpp"
+#include "../level_rows.hpp"
+#include "../numbers.hpp"
+#include "../upright.hpp"
+
+#include <immintrin.h>
+
+#include <spantex/coordinates.hpp>
+#include <spantex/exp2.hpp>
+#include <spantex/footprint.hpp>
+#include <spantex/level.hpp>
+#include <spantex/reciprocal.hpp>
+
+// What the headers define stays compiled for any machine.
+#if defined(__clang__)
+#pragma clang attribute push(__attribute__((target("avx512f,avx512bw,avx512cd,avx512dq,avx512vl,avx512vbmi,avx512vbmi2,avx512vnni"))), apply_to = function)
+#else
+#pragma GCC push_options
+#pragma GCC target("avx512f,avx512bw,avx512cd,avx512dq,avx512vl,avx512vbmi,avx512vbmi2,avx512vnni")
+#endif
+
+namespace spantex::kernels {
+namespace {
+
+#define SPANTEX_TABLES 0
+#define SPANTEX_AVX2 0
+#define SPANTEX_AVX512 1
+#include "../vectors/common.hpp"
+constexpr int width = 16;
+#include "../vectors/lanes.hpp"
+#include "../vectors/texels_avx512.hpp"
+#include "../vectors/avx512.hpp"
+#include "../vectors/series_x86.hpp"
+#include "../vectors/reciprocal.hpp"
+#include "../vectors/even_odd.hpp"
+#include "../vectors/log2.hpp"
+#include "../vectors/levels.hpp"
+#include "../vectors/pixels.hpp"
+#include "../vectors/plan_lanes.hpp"
+#include "../vectors/positions.hpp"
+#include "../vectors/spans.hpp"
+#include "../vectors/aniso.hpp"
+#include "../vectors/kernel.hpp"
+
+constexpr row_reader reader{draw_any_row, draw_planned<filter::aniso>};
+
+}  // namespace
+}  // namespace spantex::kernels
+
+#if defined(__clang__)
+#pragma clang attribute pop
+#else
+#pragma GCC pop_options
+#endif
