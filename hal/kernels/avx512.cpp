@@ -15,7 +15,6 @@
 #include <immintrin.h>
 
 #include <spantex/coordinates.hpp>
-#include <spantex/exp2.hpp>
 #include <spantex/footprint.hpp>
 #include <spantex/level.hpp>
 #include <spantex/reciprocal.hpp>
@@ -209,7 +208,7 @@ SPANTEX_INLINE void draw_batch_on_levels(const row_work& work, const batch& b, u
 
 // A batch is drawn while the next one is planned.
 template <filter Kind, int Channels>
-void draw_row(const row_work& work, plans_of_left<Kind>& left) {
+void draw_batches(const row_work& work, plans_of_left<Kind>& left) {
   const batch_order order(work, Kind);
   const int begin = order.next(0);
   if (begin >= work.count) return;  // without an operation of 512 bits: what draws the row instead is slower after one
@@ -255,8 +254,8 @@ void draw_row_of_nearest(const row_work& work) {
 template <filter Kind, bool Gathers>
 void draw_row_by_blocks(const row_work& work, plans_of_left<Kind>& left) {
   if constexpr (Kind == filter::nearest) draw_row_of_nearest<Gathers>(work);
-  else if (work.texels->opaque()) draw_row<Kind, 3>(work, left);
-  else draw_row<Kind, 4>(work, left);
+  else if (work.texels->opaque()) draw_batches<Kind, 3>(work, left);
+  else draw_batches<Kind, 4>(work, left);
 }
 
 // What local memory does not hold is drawn from the map's rows.

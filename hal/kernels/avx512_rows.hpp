@@ -8,7 +8,7 @@ namespace spantex::kernels {
 
 struct row_reader {
   row_kernel any_row;
-  bool (*planned_aniso)(const row_work& work, int k, const span_coefficients& c);  // the row's span k; false where the scalar engine must draw it
+  bool (*planned_aniso)(const row_work& work, int k, const span_coefficients& c);  // the row's span k; false where it was not drawn
 };
 row_reader gathering_reader();
 row_reader loading_reader();

@@ -3,14 +3,11 @@
 // Included by ../avx512_gathers.cpp and ../avx512_loads.cpp alone.
 #pragma once
 #include "../avx512_rows.hpp"
-#include "../level_rows.hpp"
 #include "../numbers.hpp"
-#include "../upright.hpp"
 
 #include <immintrin.h>
 
 #include <spantex/coordinates.hpp>
-#include <spantex/exp2.hpp>
 #include <spantex/footprint.hpp>
 #include <spantex/level.hpp>
 #include <spantex/reciprocal.hpp>

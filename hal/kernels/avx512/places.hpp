@@ -37,11 +37,12 @@ struct quad_bounds {
     return n & 2 ? _mm512_add_epi32(across, below) : _mm512_sub_epi32(across, below);
   }
   SPANTEX_INLINE v16 low(int n) const { return _mm512_add_epi32(base, _mm512_srav_epi32(_mm512_sub_epi32(centre(n), spread), to16)); }
+  SPANTEX_INLINE v16 high(int n) const { return _mm512_add_epi32(base, _mm512_srav_epi32(_mm512_add_epi32(centre(n), spread), to16)); }
+
   // Of all quads.
   SPANTEX_INLINE v16 aside() const { return _mm512_add_epi32(_mm512_add_epi32(_mm512_abs_epi32(right), _mm512_abs_epi32(below)), spread); }
   SPANTEX_INLINE v16 lowest() const { return _mm512_add_epi32(base, _mm512_srav_epi32(_mm512_sub_epi32(middle, aside()), to16)); }
   SPANTEX_INLINE v16 highest() const { return _mm512_add_epi32(base, _mm512_srav_epi32(_mm512_add_epi32(middle, aside()), to16)); }
-  SPANTEX_INLINE v16 high(int n) const { return _mm512_add_epi32(base, _mm512_srav_epi32(_mm512_add_epi32(centre(n), spread), to16)); }
 };
 
 // All quads' bounds: a section on any level takes them.

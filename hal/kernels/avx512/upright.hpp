@@ -194,7 +194,6 @@ struct level_walk {
   SPANTEX_INLINE v16 pixels(int j, int k) const { return even(colours(j, k), rest(change(k), rows.below[j])); }
 };
 
-
 struct upright_levels { upright_rows fine, coarse; const int32_t *fine_pairs, *coarse_pairs; part between; };
 
 template <rounded How, bool Two, bool Whole>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Vector kernels: AVX-512's two ways to read texels that lie anywhere. Intel's gathers are as fast as its loads or faster (but where microcode slows them, against
-// leaks from them); AMD's are a sequence of loads and more, and take half as long again as these here. Included by the machines' files alone.
+// Vector kernels: AVX-512's two ways to read texels that lie anywhere. Intel's gathers take as long as these loads (but where microcode slows them, against
+// leaks from them); AMD's, a sequence of loads and more, longer. Included by the machines' files alone.
 #pragma once
 
 // Sixteen.
@@ -27,8 +27,9 @@ SPANTEX_INLINE __m512i pairs_from(const rgba8* from, const uint32_t* at, int k) 
     return _mm512_i64gather_epi64(index, from, sizeof(rgba8));
   }
   const auto quarter = [&](int n) SPANTEX_INLINED {
-    const auto pair = [&](int m) SPANTEX_INLINED { return reinterpret_cast<const double*>(from + at[4 * n + 2 * k + m]); };
-    return _mm_castpd_si128(_mm_loadh_pd(_mm_load_sd(pair(0)), pair(1)));
+    const auto pair = [&](int m) SPANTEX_INLINED { return from + at[4 * n + 2 * k + m]; };
+    const __m128i first = _mm_loadl_epi64(reinterpret_cast<const __m128i*>(pair(0)));
+    return _mm_castps_si128(_mm_loadh_pi(_mm_castsi128_ps(first), reinterpret_cast<const __m64*>(pair(1))));
   };
   const auto half = [&](int n) SPANTEX_INLINED { return _mm256_inserti128_si256(_mm256_castsi128_si256(quarter(n)), quarter(n + 1), 1); };
   return _mm512_inserti64x4(_mm512_castsi256_si512(half(0)), half(2), 1);
