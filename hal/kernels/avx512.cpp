@@ -19,13 +19,7 @@
 #include <spantex/level.hpp>
 #include <spantex/reciprocal.hpp>
 
-// What the headers define stays compiled for any machine.
-#if defined(__clang__)
-#pragma clang attribute push(__attribute__((target("avx512f,avx512bw,avx512cd,avx512dq,avx512vl,avx512vbmi,avx512vbmi2,avx512vnni"))), apply_to = function)
-#else
-#pragma GCC push_options
-#pragma GCC target("avx512f,avx512bw,avx512cd,avx512dq,avx512vl,avx512vbmi,avx512vbmi2,avx512vnni")
-#endif
+#include "avx512/target_begin.hpp"
 
 namespace spantex::kernels {
 
@@ -295,11 +289,7 @@ void draw_any_row(const row_work& work) {
 }  // namespace
 }  // namespace spantex::kernels
 
-#if defined(__clang__)
-#pragma clang attribute pop
-#else
-#pragma GCC pop_options
-#endif
+#include "avx512/target_end.hpp"
 
 namespace spantex::kernels {
 

@@ -12,13 +12,7 @@
 #include <spantex/level.hpp>
 #include <spantex/reciprocal.hpp>
 
-// What the headers define stays compiled for any machine.
-#if defined(__clang__)
-#pragma clang attribute push(__attribute__((target("avx512f,avx512bw,avx512cd,avx512dq,avx512vl,avx512vbmi,avx512vbmi2,avx512vnni"))), apply_to = function)
-#else
-#pragma GCC push_options
-#pragma GCC target("avx512f,avx512bw,avx512cd,avx512dq,avx512vl,avx512vbmi,avx512vbmi2,avx512vnni")
-#endif
+#include "target_begin.hpp"
 
 namespace spantex::kernels {
 namespace {
@@ -48,8 +42,4 @@ constexpr row_reader reader{draw_any_row, draw_planned<filter::aniso>};
 }  // namespace
 }  // namespace spantex::kernels
 
-#if defined(__clang__)
-#pragma clang attribute pop
-#else
-#pragma GCC pop_options
-#endif
+#include "target_end.hpp"
