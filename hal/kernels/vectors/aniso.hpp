@@ -51,7 +51,7 @@ constexpr bool inverses_divide() {
 }
 static_assert(inverses_divide());
 
-// Of 64 pixels, as place_of() has them: the vector before it is divided by w^2; w; number of samples; length and direction of their row, s15.16.
+// Of 64 pixels, as place_of() has them: the vector before it is divided by w^2; w; number of samples; the vector's size in both axes, s15.16: its signs are n's.
 struct alignas(64) span_rows { int32_t n_u[span_pixel_count], n_v[span_pixel_count], w[span_pixel_count], samples[span_pixel_count], u[span_pixel_count], v[span_pixel_count]; };
 
 // shape_of(): levels of detail and numbers of samples. False where a vector is zero.
@@ -90,8 +90,8 @@ SPANTEX_INLINE bool find_shapes(const row_work& work, const span_coefficients& c
 // |n| / w^2 in 2^-16 texels: both products rounded, then the scale.
 SPANTEX_INLINE wide over_square(v n, v reciprocal, int drop) {
   const auto rounded = [](const wide& x, int shift) SPANTEX_INLINED { return wide{rounded_shift(x.first, shift), rounded_shift(x.second, shift)}; };
-  const auto over_w = [&](v x) SPANTEX_INLINED { return rounded(unsigned_products(x, reciprocal), q.reciprocal_bits); };
-  return rounded(over_w(narrowed(over_w(n))), drop);
+  const auto over_w = [&](auto x) SPANTEX_INLINED { return rounded(unsigned_products(x, reciprocal), q.reciprocal_bits); };
+  return rounded(over_w(over_w(n)), drop);
 }
 
 // axis_at(), not saturated. False where a row is longer than `most` texels, or all of them together (bit by bit).
@@ -104,8 +104,8 @@ SPANTEX_INLINE wide over_square(v n, v reciprocal, int drop) {
     const v r = c.how == evaluation::affine ? set(1 << q.reciprocal_bits) : reciprocals_of(get(out.w + k));
     const wide u = over_square((nu ^ minus_u) - minus_u, r, drop), w = over_square((nv ^ minus_v) - minus_v, r, drop);
     beyond |= u.first | u.second | w.first | w.second;
-    put(out.u + k, (narrowed(u) ^ minus_u) - minus_u);
-    put(out.v + k, (narrowed(w) ^ minus_v) - minus_v);
+    put(out.u + k, narrowed(u));
+    put(out.v + k, narrowed(w));
   }
   uint64_t any = 0;
   for (int k = 0; k < width / 2; ++k) any |= beyond[k];
@@ -114,7 +114,7 @@ SPANTEX_INLINE wide over_square(v n, v reciprocal, int drop) {
 
 // length m 2^-16, symmetric: length up to 2^29, m from 0 to 2^15 - 1.
 SPANTEX_INLINE v along(v length, v m) {
-  return (small_products(length >> 15, m) + ((small_products(length & 0x7FFF, m) + 0x8000) >> 15)) >> 1;
+  return add_small_products(add_small_products(set(0x8000), length & 0x7FFF, m) >> 15, length >> 15, m) >> 1;
 }
 
 // Means over the rows of `width` pixels from the k-th on, of `fewest` to `most` samples. Samples 2 m and 2 m + 1 of a loop are the m-th from either end of a row;
@@ -123,7 +123,7 @@ template <bool MasksOnly, class Shift>
 SPANTEX_INLINE v means_of_rows(const row_levels& map, const on_level<Shift>& fine, const on_level<Shift>& coarse, v fraction, const span_positions& p, const span_rows& rows, int k, int fewest, int most) {
   static_assert(rest_bits == 2);
   const v samples = get(rows.samples + k), pitch = look_up(of_samples.half_pitch, samples), centre_u = get(p.u + k), centre_v = get(p.v + k);
-  const v minus_u = get(rows.u + k) >> 31, minus_v = get(rows.v + k) >> 31, length_u = (get(rows.u + k) ^ minus_u) - minus_u, length_v = (get(rows.v + k) ^ minus_v) - minus_v;
+  const v minus_u = get(rows.n_u + k) >> 31, minus_v = get(rows.n_v + k) >> 31, length_u = get(rows.u + k), length_v = get(rows.v + k);
   const bool two = !all_equal(fraction, 0);
   constexpr int placed = places_first ? q.max_samples : 1;
   lanes_places near[placed];
@@ -164,7 +164,8 @@ SPANTEX_INLINE v means_of_rows(const row_levels& map, const on_level<Shift>& fin
     add_all(fine, near, near_sums);
     if (two) add_all(coarse, far, far_sums);
   }
-  return means_between(near_sums, far_sums, fraction, samples, look_up(of_samples.inverse, samples));
+  const v inverse = look_up(of_samples.inverse, samples);
+  return two ? means_between<true>(near_sums, far_sums, fraction, samples, inverse) : means_between<false>(near_sums, near_sums, fraction, samples, inverse);
 }
 
 template <bool MasksOnly>
@@ -182,7 +183,8 @@ template <bool MasksOnly>
 struct range_of { int fewest, most; };
 SPANTEX_INLINE range_of numbers_of(const int32_t* samples) {
 #if SPANTEX_AVX512
-  return {least_lane(get(samples)), largest_lane(get(samples))};
+  const uint32_t any = uint32_t(_mm512_reduce_or_epi32(raw(set(1) << get(samples))));  // bit n: some have n
+  return {__builtin_ctz(any), 31 - __builtin_clz(any)};
 #endif
   range_of r{samples[0], samples[0]};
   if (!all_equal(get(samples), r.most))

@@ -13,12 +13,11 @@ static_assert(sizeof(v) == sizeof(raw) && rows_at_once == 2);
 SPANTEX_INLINE v of_each_quarter(__m128i x) { return v(_mm512_broadcast_i32x4(x)); }
 
 SPANTEX_INLINE v products(v a, v b) { return v(_mm512_madd_epi16(raw(a), raw(b))); }  // of both halves of a lane, added up
+SPANTEX_INLINE v add_products(v c, v a, v b) { return v(_mm512_dpwssd_epi32(raw(c), raw(a), raw(b))); }
 SPANTEX_INLINE v halves(v low, v high) { return v(_mm512_mask_mov_epi16(raw(low), 0xAAAAAAAA, raw(high))); }
 SPANTEX_INLINE v rounded_shift(v x, int shift) { return down_by(x + (1 << (shift - 1)), shift); }  // to nearest, halves up
 SPANTEX_INLINE v_32 rounded_shift(v_32 x, int shift) { return (x >> shift) + (x >> (shift - 1) & 1); }
 SPANTEX_INLINE bool all_equal(v a, int32_t b) { return _mm512_cmpneq_epi32_mask(raw(a), _mm512_set1_epi32(b)) == 0; }
-SPANTEX_INLINE int32_t least_lane(v x) { return _mm512_reduce_min_epi32(raw(x)); }
-SPANTEX_INLINE int32_t largest_lane(v x) { return _mm512_reduce_max_epi32(raw(x)); }
 
 // 64-bit lanes; a product's shift is 1 or more and rounds halves up.
 SPANTEX_INLINE v_s64 size_of(v_s64 x) { return v_s64(_mm512_abs_epi64(raw(x))); }
@@ -50,6 +49,7 @@ SPANTEX_INLINE void put_words(int16_t* to, v x) { _mm_storeu_si128(reinterpret_c
 
 SPANTEX_INLINE v rounding_products(v a, v b) { return v(_mm512_mulhrs_epi16(raw(a), raw(b))); }  // (a b + 2^14) >> 15
 SPANTEX_INLINE v low_products(v a, v b) { return v(_mm512_mullo_epi16(raw(a), raw(b))); }
+SPANTEX_INLINE v upper_products16(v a, v b) { return v(_mm512_mulhi_epu16(raw(a), raw(b))); }  // unsigned
 
 // The lower half of lanes 2 k and 2 k + 1 of each 16 bytes, four times each.
 SPANTEX_INLINE v low_words(v x, int k) {
@@ -64,11 +64,10 @@ SPANTEX_INLINE v from_first(v x, v first) { return subtract16(x, first); }
 
 // fraction: u in the lower half of each lane, v in the upper, of 128. Texels are unsigned bytes, and weights negative, so that -128 fits; as in x86.hpp.
 SPANTEX_INLINE blends blend(const rgba8* top, const uint32_t* top_at, const rgba8* bottom, const uint32_t* bottom_at, v fraction) {
-  const v pairs = of_each_quarter(_mm_setr_epi8(0, 4, 1, 5, 2, 6, 3, 7, 8, 12, 9, 13, 10, 14, 11, 15));
-  const v weights = add16(fraction, subtract16(number<0x00800080>(), v(_mm512_slli_epi16(raw(fraction), 8))));
+  const v weights = add16(low_products(fraction, number<int32_t(0xFF01FF01)>()), number<0x00800080>());  // bytes f - 128, -f
   const v v_of_first = of_each_quarter(_mm_setr_epi8(-1, 2, -1, 2, -1, 2, -1, 2, -1, 6, -1, 6, -1, 6, -1, 6));
   const auto across = [&](const rgba8* from, const uint32_t* at, int k, v of_u) SPANTEX_INLINED {
-    return v(_mm512_maddubs_epi16(_mm512_shuffle_epi8(pairs_from<SPANTEX_GATHERS>(from, at, k), raw(pairs)), raw(of_u)));
+    return v(_mm512_maddubs_epi16(pairs_from<SPANTEX_GATHERS>(from, at, k), raw(of_u)));
   };
   blends b;
 #pragma GCC unroll 2

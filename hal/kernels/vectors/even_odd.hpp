@@ -5,6 +5,7 @@
 
 SPANTEX_INLINE wide products_from(v a, v b, auto&& product) { return {product(v_64(a), v_64(b)), product(v_64(a) >> 32, v_64(b) >> 32)}; }
 SPANTEX_INLINE wide unsigned_products(v a, v b) { return products_from(a, b, [](v_64 x, v_64 y) SPANTEX_INLINED { return wide_products(x, y); }); }
+SPANTEX_INLINE wide unsigned_products(const wide& x, v y) { return {wide_products(x.first, v_64(y)), wide_products(x.second, v_64(y) >> 32)}; }  // of x below 2^32
 SPANTEX_INLINE wide signed_products(v a, v b) { return products_from(a, b, [](v_64 x, v_64 y) SPANTEX_INLINED { return wide_signed_products(x, y); }); }
 
 SPANTEX_INLINE v_64 rounded_shift(v_64 x, int shift) { return down_by(x + (uint64_t(1) << (shift - 1)), shift); }  // to nearest, halves up

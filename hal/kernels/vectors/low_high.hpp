@@ -14,6 +14,7 @@ SPANTEX_INLINE wide signed_products(v a, v b) {
 SPANTEX_INLINE v_64 rounded_shift(v_64 x, int shift) { return v_64(vrshlq_u64(uint64x2_t(x), vdupq_n_s64(-shift))); }  // to nearest, halves up
 
 SPANTEX_INLINE v narrowed(const wide& x) { return v(vuzp1q_s32(int32x4_t(x.first), int32x4_t(x.second))); }
+SPANTEX_INLINE wide unsigned_products(const wide& x, v y) { return unsigned_products(narrowed(x), y); }  // of x below 2^32
 
 // After a rounded shift, of signed numbers.
 SPANTEX_INLINE v narrowed(const wide& x, int shift) {

@@ -66,15 +66,19 @@ SPANTEX_INLINE void add_colours(colour_sums& s, const blends& one, v one_counted
   }
 }
 
-// Of `samples` colours between two levels; fraction of 256. inverse: ceil(2^15 / samples).
+// Of `samples` colours between two levels, or on one; fraction of 256. inverse: ceil(2^15 / samples), 2^15 at most, so that a product's upper half is of twice a sum.
+template <bool Two>
 SPANTEX_INLINE v means_between(const colour_sums& fine, const colour_sums& coarse, v fraction, v samples, v inverse) {
   const auto one = [&](int k) SPANTEX_INLINED {
-    const v f = low_words(fraction, k) & 0xFFFF, n = low_words(samples, k) & 0xFFFF, y = low_words(inverse, k) & 0xFFFF, half = n << 14;
-    const auto mean = [&](v near, v far) SPANTEX_INLINED {
-      const v t = (near << q.level_bits) + (far - near) * f + half, whole = ((t >> 15) * y) >> 15;
-      return whole - (v((whole * n) << 15 == t) & whole & 1);  // a half: to even
+    const v n = low_words(samples, k), half = (n & 0xFFFF) << 15, f = low_words(fraction, k) & 0xFFFF;
+    const auto twice = [&](v near, v far) SPANTEX_INLINED {  // 16 bits of fraction
+      const v sum = (near << (q.level_bits + 1)) + half;
+      return Two ? sum + (far - near) * (f << 1) : sum;
     };
-    return mean(fine.even(k), coarse.even(k)) | mean(fine.odd[k], coarse.odd[k]) << 16;
+    const v even = twice(fine.even(k), coarse.even(k)), odd = twice(fine.odd[k], coarse.odd[k]);
+    const v sum = halves(v(v_32(even) >> 16), odd), rest = halves(even, odd << 16), whole = upper_products16(add16(sum, sum), low_words(inverse, k));
+    const v inexact = least16_unsigned(subtract16(sum, low_products(whole, n)) | rest, number<0x00010001>());
+    return subtract16(whole, whole & ~inexact & number<0x00010001>());  // a half: to even
   };
   return packed(one(0), one(1));
 }

@@ -102,7 +102,7 @@ SPANTEX_INLINE v wrapped_texel(v at, const on_level<Shift>& l) {
 // Where in the map texels lie, both axes in a lane.
 template <bool MasksOnly, class Shift>
 SPANTEX_INLINE v places_of(v texels, const on_level<Shift>& l) {
-  return products(wrapped_texel<MasksOnly>(texels, l), l.field[row_levels::step]) + l.field[row_levels::origin];
+  return add_products(l.field[row_levels::origin], wrapped_texel<MasksOnly>(texels, l), l.field[row_levels::step]);
 }
 
 // What positions have below span_positions' last bit, where they have it: only products with ratios tell.

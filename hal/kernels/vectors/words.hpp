@@ -8,6 +8,7 @@ constexpr int row_pairs_at_once = 4;  // of positions with levels
 typedef int32_t level_number;  // of a pixel, in memory
 
 SPANTEX_INLINE v products(v a, v b) { return ((a << 16) >> 16) * ((b << 16) >> 16) + (a >> 16) * (b >> 16); }  // of both halves of a lane, added up
+SPANTEX_INLINE v add_products(v c, v a, v b) { return c + products(a, b); }
 SPANTEX_INLINE v halves(v low, v high) { return (low & 0xFFFF) | (high & int32_t(0xFFFF0000)); }
 SPANTEX_INLINE v rounded_shift(v x, int shift) { return (x + (1 << (shift - 1))) >> shift; }  // to nearest, halves up
 SPANTEX_INLINE v_32 rounded_shift(v_32 x, int shift) { return (x >> shift) + (x >> (shift - 1) & 1); }
@@ -27,6 +28,7 @@ SPANTEX_INLINE v half_slope_square(v a, int slope_log2) { return (a * a) >> (15 
 SPANTEX_INLINE v product_with_slope(v x, v slope, int slope_log2) { return ((x >> 16) * slope) >> (-2 - slope_log2); }
 SPANTEX_INLINE v level_of_slope(v slope, int slope_log2) { return (slope * int32_t(level_factor.raw())) >> (11 - slope_log2); }
 SPANTEX_INLINE v small_products(v a, v b) { return a * b; }  // of numbers from 0 to 2^15 - 1
+SPANTEX_INLINE v add_small_products(v c, v a, v b) { return c + a * b; }
 
 // Of the even lanes.
 SPANTEX_INLINE v_64 wide_products(v_64 a, v_64 b) { return (a & 0xFFFFFFFF) * (b & 0xFFFFFFFF); }
@@ -142,10 +144,11 @@ SPANTEX_INLINE void add_colours(colour_sums& s, const blends& one, v one_counted
   add_colours(s, other, other_counted, every_one);
 }
 
-// Of `samples` colours between two levels; fraction of 256. inverse: ceil(2^15 / samples).
+// Of `samples` colours between two levels, or on one; fraction of 256. inverse: ceil(2^15 / samples).
+template <bool Two>
 SPANTEX_INLINE v means_between(const colour_sums& fine, const colour_sums& coarse, v fraction, v samples, v inverse) {
   return pixels_from([&](int k, uint64_t& even, uint64_t& odd) {
-    const uint64_t f = uint32_t(fraction[k]);
+    const uint64_t f = Two ? uint32_t(fraction[k]) : 0;
     const uint32_t n = uint32_t(samples[k]), y = uint32_t(inverse[k]);
     const auto mean = [&](uint32_t sum) {
       const uint32_t t = sum + (n << 14), whole = ((t >> 15) * y) >> 15;
