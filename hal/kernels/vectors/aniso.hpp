@@ -182,8 +182,14 @@ template <bool MasksOnly>
 
 struct range_of { int fewest, most; };
 SPANTEX_INLINE range_of numbers_of(const int32_t* samples) {
+#if SPANTEX_AVX512 || SPANTEX_AVX2
+  const v of = set(1) << get(samples);  // bit n: some have n
 #if SPANTEX_AVX512
-  const uint32_t any = uint32_t(_mm512_reduce_or_epi32(raw(set(1) << get(samples))));  // bit n: some have n
+  const uint32_t any = uint32_t(_mm512_reduce_or_epi32(raw(of)));
+#else
+  const __m128i four = _mm_or_si128(_mm256_castsi256_si128(raw(of)), _mm256_extracti128_si256(raw(of), 1)), two = _mm_or_si128(four, _mm_unpackhi_epi64(four, four));
+  const uint32_t any = uint32_t(_mm_cvtsi128_si32(two) | _mm_extract_epi32(two, 1));
+#endif
   return {__builtin_ctz(any), 31 - __builtin_clz(any)};
 #endif
   range_of r{samples[0], samples[0]};
