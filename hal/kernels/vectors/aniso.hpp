@@ -114,7 +114,7 @@ SPANTEX_INLINE wide over_square(v n, v reciprocal, int drop) {
 
 // length m 2^-16, symmetric: length up to 2^29, m from 0 to 2^15 - 1.
 SPANTEX_INLINE v along(v length, v m) {
-  return add_small_products(add_small_products(set(0x8000), length & 0x7FFF, m) >> 15, length >> 15, m) >> 1;
+  return (small_products(length >> 15, m) + ((small_products(length & 0x7FFF, m) + 0x8000) >> 15)) >> 1;
 }
 
 // Means over the rows of `width` pixels from the k-th on, of `fewest` to `most` samples. Samples 2 m and 2 m + 1 of a loop are the m-th from either end of a row;

@@ -21,7 +21,6 @@ SPANTEX_INLINE v products(v a, v b) {  // of both halves of a lane, added up
   const int16x8_t x = int16x8_t(a), y = int16x8_t(b);
   return v(vpaddq_s32(vmull_s16(vget_low_s16(x), vget_low_s16(y)), vmull_high_s16(x, y)));
 }
-SPANTEX_INLINE v add_products(v c, v a, v b) { return c + products(a, b); }
 SPANTEX_INLINE v halves(v low, v high) { return v(vbslq_s32(vdupq_n_u32(0xFFFF), int32x4_t(low), int32x4_t(high))); }
 SPANTEX_INLINE v rounded_shift(v x, int shift) { return v(vrshlq_s32(int32x4_t(x), vdupq_n_s32(-shift))); }  // to nearest, halves up
 SPANTEX_INLINE v_32 rounded_shift(v_32 x, int shift) { return v_32(vrshlq_u32(uint32x4_t(x), vdupq_n_s32(-shift))); }
@@ -35,7 +34,6 @@ SPANTEX_INLINE v half_slope_square(v a, int slope_log2) { return number(upper_pr
 SPANTEX_INLINE v product_with_slope(v x, v slope, int) { return upper_products(x & int32_t(0xFFFF0000), slope); }
 SPANTEX_INLINE v level_of_slope(v slope, int) { return upper_products(slope, set(int32_t(level_factor.raw()) << 3)); }
 SPANTEX_INLINE v small_products(v a, v b) { return a * b; }  // of numbers from 0 to 2^15 - 1
-SPANTEX_INLINE v add_small_products(v c, v a, v b) { return c + a * b; }
 
 SPANTEX_INLINE bool all_equal(v a, int32_t b) { return vminvq_u32(uint32x4_t(a == b)) != 0; }
 

@@ -10,4 +10,3 @@ SPANTEX_INLINE v half_slope_square(v a, int slope_log2) { return upper(down_by(p
 SPANTEX_INLINE v product_with_slope(v x, v slope, int slope_log2) { return down_by(products(x, slope), -2 - slope_log2); }
 SPANTEX_INLINE v level_of_slope(v slope, int slope_log2) { return down_by(products(slope, number<int32_t(level_factor.raw()) << 16>()), 11 - slope_log2); }
 SPANTEX_INLINE v small_products(v a, v b) { return products(a, b); }  // of numbers from 0 to 2^15 - 1
-SPANTEX_INLINE v add_small_products(v c, v a, v b) { return add_products(c, a, b); }

@@ -99,6 +99,15 @@ SPANTEX_INLINE v wrapped_texel(v at, const on_level<Shift>& l) {
   return least16(largest16(at, l.field[row_levels::low]), l.field[row_levels::high]);
 }
 
+// products(a, b) and c.
+SPANTEX_INLINE v add_products(v c, v a, v b) {
+#if SPANTEX_AVX512
+  return v(_mm512_dpwssd_epi32(raw(c), raw(a), raw(b)));
+#else
+  return c + products(a, b);
+#endif
+}
+
 // Where in the map texels lie, both axes in a lane.
 template <bool MasksOnly, class Shift>
 SPANTEX_INLINE v places_of(v texels, const on_level<Shift>& l) {

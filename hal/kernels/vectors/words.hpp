@@ -8,7 +8,6 @@ constexpr int row_pairs_at_once = 4;  // of positions with levels
 typedef int32_t level_number;  // of a pixel, in memory
 
 SPANTEX_INLINE v products(v a, v b) { return ((a << 16) >> 16) * ((b << 16) >> 16) + (a >> 16) * (b >> 16); }  // of both halves of a lane, added up
-SPANTEX_INLINE v add_products(v c, v a, v b) { return c + products(a, b); }
 SPANTEX_INLINE v halves(v low, v high) { return (low & 0xFFFF) | (high & int32_t(0xFFFF0000)); }
 SPANTEX_INLINE v rounded_shift(v x, int shift) { return (x + (1 << (shift - 1))) >> shift; }  // to nearest, halves up
 SPANTEX_INLINE v_32 rounded_shift(v_32 x, int shift) { return (x >> shift) + (x >> (shift - 1) & 1); }
@@ -28,7 +27,6 @@ SPANTEX_INLINE v half_slope_square(v a, int slope_log2) { return (a * a) >> (15 
 SPANTEX_INLINE v product_with_slope(v x, v slope, int slope_log2) { return ((x >> 16) * slope) >> (-2 - slope_log2); }
 SPANTEX_INLINE v level_of_slope(v slope, int slope_log2) { return (slope * int32_t(level_factor.raw())) >> (11 - slope_log2); }
 SPANTEX_INLINE v small_products(v a, v b) { return a * b; }  // of numbers from 0 to 2^15 - 1
-SPANTEX_INLINE v add_small_products(v c, v a, v b) { return c + a * b; }
 
 // Of the even lanes.
 SPANTEX_INLINE v_64 wide_products(v_64 a, v_64 b) { return (a & 0xFFFFFFFF) * (b & 0xFFFFFFFF); }
