@@ -245,7 +245,10 @@ class row_verifier {
     const double length = std::log2(std::hypot(du, dv)), area = double(std::log2(std::fabs(j.ux * j.vy - j.uy * j.vx) / (scale * scale)));
     const double ratio = std::clamp(std::min(2 * length - area, length), 0.0, std::log2(double(q_.max_samples)));
     const double minor = length - ratio, level = double(finer_level(minor, q_.sample_bias)) + q_.level_bias / 16.0;
-    const auto count = [&](double r) { return std::clamp(int(std::ceil(std::exp2(r - q_.sample_spacing / 16.0) - q_.sample_slack / 16.0)), 1, q_.max_samples); };
+    const auto count = [&](double r) {
+      const double widths = std::exp2(r), near = std::min(widths, 2.0), pitches = near + (widths - near) * std::exp2(-q_.sample_spacing / 16.0);
+      return std::clamp(int(std::ceil(pitches - q_.sample_slack / 16.0)), 1, q_.max_samples);
+    };
     const place at{double(static_cast<long double>(map_.u_at(hx, hy)) / w), double(static_cast<long double>(map_.v_at(hx, hy)) / w)};
     for (int n = count(ratio - delta_); n <= count(ratio + delta_); ++n)
       if (pixel_.accepts_row(at, du, dv, n, level, pixel)) return true;

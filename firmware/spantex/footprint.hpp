@@ -164,10 +164,11 @@ constexpr int squares_aside(int32_t length_log2) {
 
 }  // namespace detail
 
-// Of aniso, by log2 of the axes' ratio, s.16.
+// Of aniso, by log2 of the axes' ratio, s.16: a minor axis apart, what is beyond two of them 2^(sample_spacing / 16) (decisions/0011).
 constexpr int samples_of(const profile& q, int32_t ratio) {
-  const uint32_t pitches = exp2_16(ratio - q.sample_spacing * (1 << 12));
-  return clamp_to(int((pitches + 65535 - (uint32_t(q.sample_slack) << 12)) >> 16), 1, q.max_samples);
+  const int32_t widths = int32_t(exp2_16(ratio)), near = min_of(widths, 2 << 16);
+  const int32_t pitches = near + int32_t(int64_t(widths - near) * exp2_16(-q.sample_spacing * (1 << 12)) >> 16);
+  return clamp_to((pitches + 65535 - (q.sample_slack << 12)) >> 16, 1, q.max_samples);
 }
 
 // Level of detail and number of samples from n = (u, v) and log2 w.

@@ -40,8 +40,8 @@ struct profile {
   int level_bits = 8;                               // fraction bits of the level of detail
   int blend_bits = 16;                              // fraction bits of each level's colour, kept before two are interpolated (at most 16)
   int max_samples = 16;                             // filter aniso: samples along a footprint, and the axes' ratio that they follow, 1 to 16
-  int sample_spacing = 0;                           // they lie 2^(this / 16) minor axes apart (0 to 16)
-  int sample_slack = 2;                             // their number is the ratio over that, less this many 1/16, rounded up (0 to 15)
+  int sample_spacing = 0;                           // a minor axis apart; what is beyond two of them, 2^(this / 16) (0 to 16)
+  int sample_slack = 2;                             // of so many pitches, less this many 1/16, rounded up, their number is (0 to 15)
   int sample_bias = -8;                             // s3.4: the same of a footprint's samples (aniso)
   int area_side_log2 = 4;                           // filters step, hat: a footprint lies within 2^this texels a side (1 to 4)
   bool contours = true;                             // filter contour; false leaves its code out: alpha comes as from trilinear
@@ -79,7 +79,8 @@ inline constexpr profile compact{.fine_side = 8, .overflow = overflow_policy::co
                                  .level_bits = 6, .blend_bits = 8, .exact_set_up = false};
 
 // Quality for its cost: the longest tolerance that keeps the promise of 1/256 texel, colours of 15 bits between levels.
-inline constexpr profile standard{.fine_side = 16, .mip_bias = -8, .coordinate_bits = 14, .tolerance_bits = 8, .subtexel_bits = 7, .blend_bits = 7};
+inline constexpr profile standard{.fine_side = 16, .mip_bias = -8, .coordinate_bits = 14, .tolerance_bits = 8, .subtexel_bits = 7, .blend_bits = 7,
+                                  .sample_spacing = 12};
 
 // The promised accuracy everywhere.
 inline constexpr profile exact{.fine_side = 32, .mip_bias = -8, .sample_slack = 0};

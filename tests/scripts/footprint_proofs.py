@@ -128,7 +128,9 @@ class Model:
         minor = major - ratio
         level = clamp(nearest(max(minor + bias, min(minor, -5 * bias // 8)), 16 - L), 0, 12 << L)
         if not squares:
-            return [level, clamp((self.exp2(ratio - spacing * 4096) - (slack << 12) + 65535) >> 16, 1, samples)]
+            widths = self.exp2(ratio)
+            pitches = min(widths, 2 << 16) + (max(widths - (2 << 16), 0) * self.exp2(-spacing * 4096) >> 16)
+            return [level, clamp((pitches - (slack << 12) + 65535) >> 16, 1, samples)]
         whole = max(0, ((level + (1 << (L - 1)) + (1 << L) - 1) >> L) - 1)
         texels = self.exp2(clamp(major - whole * 65536, -16 * 65536, 4 * 65536 + 65535))
         return [whole << L, 2 * clamp((texels + 2 * 65536 - 1) >> 18, 0, 7) + 1]

@@ -153,7 +153,7 @@ void drawing_options::add_to(CLI::App& app, bool with_engine) {
   app.add_option("--profile", profile, list_of(sim::profile_names))->capture_default_str();
   app.add_option("--level", level, "level of detail instead of the profile's: jacobian (longer column), major or minor (KT88's axes)");
   app.add_option("--samples", samples, "filter aniso: at most so many samples along a footprint, 1..16");
-  app.add_option("--spacing", spacing, "filter aniso: samples 2^(this/16) times as far apart as the footprint is wide, 0..16: quality against cost");
+  app.add_option("--spacing", spacing, "filter aniso: samples as far apart as the footprint is wide, beyond two widths 2^(this/16) times that, 0..16: quality against cost");
   app.add_option("--slack", slack, "filter aniso: samples fewer by so many sixteenths of one, 0..15: quality against cost");
   app.add_option("--bias", bias, "filter aniso: sixteenths added to the level of the footprint's minor axis, -16..0: sharpness against aliasing");
   wrap_given_ = app.add_option("--wrap", wrap, list_of(sim::wrap_names))->capture_default_str();
