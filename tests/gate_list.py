@@ -441,7 +441,7 @@ GATES = [
     ("columns without their perspective", F + "footprint.hpp", "return {c.a_u - slope(c.c_u, c.g), c.b_u - slope(c.c_u, c.h),", "return {c.a_u, c.b_u,", *STRESS),
     ("contours by the nearest twelfth bit down", F + "contour.hpp", "const int64_t distance = scale_down(product, detail::field_bits + level_bits - int(log2 >> 16));",
      "const int64_t distance = scale_down(product, detail::field_bits + level_bits - int(log2 >> 16)) * 63 / 64;", *STRESS),
-    ("rows with half their samples", F + "footprint.hpp", "(uint32_t(q.sample_slack) << 12)) >> 16), 1, q.max_samples);", "(uint32_t(q.sample_slack) << 12)) >> 17), 1, q.max_samples);",
+    ("rows with half their samples", F + "footprint.hpp", "(q.sample_slack << 12)) >> 16, 1, q.max_samples);", "(q.sample_slack << 12)) >> 17, 1, q.max_samples);",
      "conformance", "aniso_of_exact*", ["sim/verifier.cpp"]),
     ("floors that hide what is in front", F + "visibility.hpp", "range.most <= *floor", "range.least <= *floor", "visibility", "floors*", []),
     ("floors above what is stored", F + "visibility.hpp", "*floor = range.least;", "*floor = range.most;", "visibility", "no_pixel*", []),
