@@ -177,12 +177,11 @@ SPANTEX_INLINE void draw_batch_on_levels(const row_work& work, const batch& b, u
     __m128i least = _mm_setzero_si128();
     bool all_alike = true, all_alone = true, next_too = false;
     if ((spans & b.magnified) >> k & 1) {
-      take(offsets_of(b, k), of[k]);
-      for (v16& each : of[k].level) each = _mm512_setzero_si512();
+      take(offsets_of(b, k), of[k]);  // levels are looked at where a span is drawn by itself
     } else if (spans >> k & 1) {
-      b.slope_log2[k] > most_level_slope_log2 ? find_pixels<true>(work, b, k, lengths[k], of[k]) : find_pixels<false>(work, b, k, lengths[k], of[k]);
+      b.slope_log2[k] > most_level_slope_log2 ? find_pixels<true>(b, k, lengths[k], of[k]) : find_pixels<false>(b, k, lengths[k], of[k]);
+      least = settle<two>(of[k].level, work.last_level, all_alike, all_alone);
       if (some_unlike) scaled |= uint32_t(on_unlike_levels<two>(*work.texels, of[k].level)) << k;
-      least = common_level_of<two>(of[k].level, all_alike, all_alone);
       if (!all_alike) [[unlikely]] least = least_level_of<two>(of[k].level, next_too);
     }
     level = _mm256_alignr_epi32(_mm256_castsi128_si256(least), level, 1);
@@ -196,8 +195,12 @@ SPANTEX_INLINE void draw_batch_on_levels(const row_work& work, const batch& b, u
     if (places.placed >> k & 1) blend_placed<two, Channels>(work, b, k, alone >> k & 1, crossing >> k & 1, of[k], places);
   }
   spans &= ~places.placed;
-  for (int k = 0; spans >> k != 0; ++k)
-    if (spans >> k & 1) work.left[b.first + k] = !draw_by_itself<two, Channels>(work, b, k, scaled >> k & 1, of[k]);
+  for (int k = 0; spans >> k != 0; ++k) {
+    if (!(spans >> k & 1)) continue;
+    if (b.magnified >> k & 1)
+      for (v16& each : of[k].level) each = _mm512_setzero_si512();
+    work.left[b.first + k] = !draw_by_itself<two, Channels>(work, b, k, scaled >> k & 1, of[k]);
+  }
 }
 
 // A batch is drawn while the next one is planned.

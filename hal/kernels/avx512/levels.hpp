@@ -2,13 +2,15 @@
 // AVX-512 kernel: levels of detail of a span's pixels. Included by ../avx512.cpp alone.
 #pragma once
 
-// 2^-16 and half of 2^-8 to 2^-8, then finer() with a bias of -8: its limits are whole numbers of those; clamped.
-constexpr int32_t detail_half = 1 << 7;
-SPANTEX_INLINE v16 detail_of(v16 x, v16 most) {
-  const v16 level = _mm512_srai_epi32(x, 8);
-  const v16 detail = _mm512_max_epi32(_mm512_min_epi32(level, of32<80>()), _mm512_sub_epi32(level, of32<128>()));
+// Of a level in 2^-16: what rounds it to 2^-8, less the bias of -8 in full.
+constexpr int32_t detail_half = (1 << 7) - (1 << 15);
+// finer() of a level in 2^-8 that has the bias in full: its limits are whole numbers of those; clamped.
+constexpr int32_t detail_of_ramp = 80;
+SPANTEX_INLINE v16 settled(v16 biased, v16 most) {
+  const v16 detail = _mm512_max_epi32(_mm512_min_epi32(_mm512_add_epi32(biased, of32<128>()), of32<detail_of_ramp>()), biased);
   return _mm512_max_epi32(_mm512_min_epi32(detail, most), _mm512_setzero_si512());
 }
+SPANTEX_INLINE v16 detail_of(v16 x, v16 most) { return settled(_mm512_srai_epi32(x, 8), most); }
 
 // level_term() of log2_length() of the eight rows, then of the eight columns, s.16, half of 2^-8 added. What is squared is below 2^31 (vectors/levels.hpp). Exponents are 18 to 36:
 // the upper limit of a term is not reached; a length of 0, taken for -1/2, stays below any other, and it and what is below the lower limit are levels far below 0.
@@ -50,10 +52,31 @@ SPANTEX_INLINE __m128i common_level_of(const v16 (&level)[quads], bool& alike, b
   const v16 first = _mm512_broadcastd_epi32(_mm512_castsi512_si128(of(0)));
   const auto differing = [&](v16 so_far, v16 x) SPANTEX_INLINED { return _mm512_ternarylogic_epi32(so_far, x, first, 0xF6); };  // so_far | (x ^ first)
   const v16 differs = differing(differing(differing(_mm512_xor_si512(of(0), first), of(1)), of(2)), of(3));
-  alike = _mm512_test_epi32_mask(differs, of32<-(1 << q.level_bits)>()) == 0;
-  const v16 any = _mm512_ternarylogic_epi32(_mm512_or_si512(level[0], level[1]), level[2], level[3], 0xFE);
-  alone = !TwoLevels || _mm512_test_epi32_mask(any, of32<(1 << q.level_bits) - 1>()) == 0;
-  return _mm512_castsi512_si128(of(0));
+  constexpr int32_t fraction = (1 << q.level_bits) - 1;
+  const __m128i told = _mm512_castsi512_si128(of(0));
+  alike = _mm512_test_epi32_mask(differs, of32<~fraction>()) == 0;
+  alone = !TwoLevels || ((_mm_cvtsi128_si32(told) & fraction) == 0 && _mm512_test_epi32_mask(differs, of32<fraction>()) == 0);
+  return told;
+}
+
+// The same of levels that are not settled(). Of pixels that are all on one whole level before the last it is the bias in full, on the first of them 80 at least.
+template <bool TwoLevels>
+SPANTEX_INLINE __m128i settle(v16 (&level)[quads], int32_t last_level, bool& alike, bool& alone) {
+  if (_mm512_cvtsi512_si32(level[0]) >= 0) [[likely]] {
+    const __m128i first = common_level_of<TwoLevels>(level, alike, alone);
+    const int32_t whole = _mm_cvtsi128_si32(first) >> q.level_bits;
+    if (alike && whole < last_level) [[likely]] {
+      if (whole > 0) return first;
+#pragma GCC unroll 4
+      for (v16& each : level) each = _mm512_max_epi32(each, of32<detail_of_ramp>());
+      alone = !TwoLevels;
+      return first;
+    }
+  }
+  const v16 most = set32(last_level << q.level_bits);
+#pragma GCC unroll 4
+  for (v16& each : level) each = settled(each, most);
+  return common_level_of<TwoLevels>(level, alike, alone);
 }
 
 // Of a span whose pixels are not all on one: the least level; whether they are on its whole one and the next.
@@ -88,12 +111,11 @@ SPANTEX_INLINE void longest_of(v16 lengths, cut how, v16 (&out)[quads]) {
   }
 }
 
-// level_at() of the span's pixels, 2^-8: quad by quad, told of its slopes.
+// level_at() of the span's pixels before it is settled(): quad by quad, told of its slopes.
 template <bool Steep>
 struct levels_of {
-  v16 most, square_drop, log_drop, terms[quads];
-  SPANTEX_INLINE levels_of(const row_work& work, const batch& b, int k, v16 lengths)
-      : most(set32(work.last_level << q.level_bits)), square_drop(set32(b.series_drop[k] + 1)), log_drop(set32(b.series_drop[k] + 13)) {
+  v16 square_drop, log_drop, terms[quads];
+  SPANTEX_INLINE levels_of(const batch& b, int k, v16 lengths) : square_drop(set32(b.series_drop[k] + 1)), log_drop(set32(b.series_drop[k] + 13)) {
     longest_of(lengths, b.how, terms);
   }
   SPANTEX_INLINE v16 operator()(int n, v16 e, int slope_log2, const slopes16& w) const {
@@ -104,15 +126,15 @@ struct levels_of {
       const v16 t = upper_difference(w.e16, _mm512_srav_epi32(w.square, square_drop));
       log_w = _mm512_srav_epi32(_mm512_madd_epi16(t, of32<int32_t(level_factor.raw()) << 16>()), log_drop);
     }
-    return detail_of(_mm512_sub_epi32(terms[n], log_w), most);
+    return _mm512_srai_epi32(_mm512_sub_epi32(terms[n], log_w), 8);
   }
 };
 
-// Positions and levels of a span's pixels.
+// Positions and levels of a span's pixels, those not settled().
 template <bool Steep>
-SPANTEX_INLINE void find_pixels(const row_work& work, const batch& b, int k, v16 lengths, span_pixels& p) {
+SPANTEX_INLINE void find_pixels(const batch& b, int k, v16 lengths, span_pixels& p) {
   offsets o = forms_of(b, k);
-  const levels_of<Steep> levels(work, b, k, lengths);
+  const levels_of<Steep> levels(b, k, lengths);
   evaluate(b, k, o, [&](int n, const slopes16& w) SPANTEX_INLINED { p.level[n] = levels(n, o.e[n], b.slope_log2[k], w); });
   take(o, p);
 }

@@ -2,23 +2,24 @@
 // AVX-512 kernel: log2 in 32-bit lanes. Included by ../avx512.cpp alone.
 #pragma once
 
-// log2 at a knot in the lower half, and how far it is to the next in the upper one.
+// log2 at the 64 knots, and how far it is to the next: u.16.
 struct alignas(64) knot_table {
-  uint32_t of[64];
-  constexpr knot_table() : of() {
-    for (int k = 0; k < 64; ++k) of[k] = log2_knots.knot[k] | ((k == 63 ? 65536u : log2_knots.knot[k + 1]) - log2_knots.knot[k]) << 16;
+  uint16_t at[64], step[64];
+  constexpr knot_table() : at(), step() {
+    for (int k = 0; k < 64; ++k) {
+      at[k] = uint16_t(log2_knots.knot[k]);
+      step[k] = uint16_t((k == 63 ? 65536u : log2_knots.knot[k + 1]) - log2_knots.knot[k]);
+    }
   }
 };
 constexpr knot_table knots{};
 
 // log2_16() of numbers whose uppermost 32 bits, from their first one on, are given, and what their whole part is.
 SPANTEX_INLINE v16 log2_of_bits(v16 bits, v16 whole) {
-  const v16 f = _mm512_srli_epi32(bits, 9), k = _mm512_srli_epi32(bits, 25), word = of32<0xFFFF>();  // of k, six bits are looked at
-  const auto table = [](int at) SPANTEX_INLINED { return _mm512_load_si512(knots.of + at); };
-  const v16 low = _mm512_permutex2var_epi32(table(0), k, table(16)), high = _mm512_permutex2var_epi32(table(32), k, table(48));
-  const v16 knot = _mm512_mask_mov_epi32(low, _mm512_test_epi32_mask(k, of32<32>()), high);
-  const v16 part = _mm512_srli_epi32(_mm512_add_epi32(_mm512_mullo_epi32(_mm512_srli_epi32(knot, 16), _mm512_and_si512(f, word)), of32<0x8000>()), 16);
-  return _mm512_add_epi32(_mm512_slli_epi32(whole, 16), _mm512_add_epi32(_mm512_and_si512(knot, word), part));
+  const v16 f = _mm512_and_si512(_mm512_srli_epi32(bits, 9), of32<0xFFFF>()), k = _mm512_srli_epi32(bits, 25);  // of k, six bits are looked at
+  const auto of = [&](const uint16_t (&table)[64]) { return _mm512_maskz_permutex2var_epi16(0x55555555, _mm512_load_si512(table), k, _mm512_load_si512(table + 32)); };
+  const v16 part = _mm512_srli_epi32(_mm512_add_epi32(_mm512_mullo_epi32(of(knots.step), f), of32<0x8000>()), 16);
+  return _mm512_add_epi32(_mm512_slli_epi32(whole, 16), _mm512_add_epi32(of(knots.at), part));
 }
 
 SPANTEX_INLINE v16 log2_of(v16 x) {

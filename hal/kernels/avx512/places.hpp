@@ -174,10 +174,11 @@ template <bool TwoLevels>
 SPANTEX_WRAPS SPANTEX_INLINE void place_spans(const row_work& work, const batch& b, uint32_t some, uint32_t alone, uint32_t crossing, __m256i fine, batch_places& p) {
   const auto after = [&](__m256i level) SPANTEX_INLINED { return _mm256_min_epi32(_mm256_add_epi32(level, _mm256_set1_epi32(1)), _mm256_set1_epi32(work.last_level)); };
   const __m256i coarse = after(fine);
-  // Positions modulo 32 texels of the coarser level fit 32 bits (shorten()), which leaves a third level the 14 bits of either half that it takes.
+  // Positions modulo 16 texels of the last level that is taken fit 32 bits.
   const __mmask8 divided = _mm256_cmpeq_epi32_mask(got(b.terms), _mm256_set1_epi32(divide_terms));
   const __m256i given = _mm256_mask_mov_epi32(got(b.exponent), divided, _mm256_set1_epi32(q.coordinate_bits));
-  const __m256i excess = _mm256_max_epi32(_mm256_sub_epi32(_mm256_add_epi32(given, coarse), _mm256_set1_epi32(27)), _mm256_setzero_si256()), bits = _mm256_sub_epi32(given, excess);
+  const __m256i after_fine = _mm256_mask_mov_epi32(_mm256_maskz_set1_epi32(__mmask8(~alone), 1), __mmask8(crossing), _mm256_set1_epi32(2)), bits_and_level = _mm256_add_epi32(given, _mm256_add_epi32(fine, after_fine));
+  const __m256i excess = _mm256_max_epi32(_mm256_sub_epi32(bits_and_level, _mm256_set1_epi32(28)), _mm256_setzero_si256()), bits = _mm256_sub_epi32(given, excess);
   // plan_bounds() holds up to a slope of 1/4.
   some &= _mm256_cmple_epi32_mask(got(b.slope_log2), _mm256_set1_epi32(-2));
   if (some == 0) return;
