@@ -566,7 +566,6 @@ if "avx512_vbmi2" in pathlib.Path("/proc/cpuinfo").read_text():
         ("AVX-512: positions on alike levels in more than 32 bits", "hal/kernels/avx512/places.hpp", "bits_and_level, _mm256_set1_epi32(28)", "bits_and_level, _mm256_set1_epi32(32)", "kernels", "sheared_and_magnified*", KERNELS),
         ("AVX-512: the first level without its ramp's end", "hal/kernels/avx512/levels.hpp", "each = _mm512_max_epi32(each, of32<detail_of_ramp>());", "(void)each;", "kernels", "random_planes*", KERNELS),
         ("AVX-512: the last level as those before it", "hal/kernels/avx512/levels.hpp", "if (alike && whole < last_level)", "if (alike)", "kernels", "random_planes*", KERNELS),
-        ("AVX-512: magnified spans alone with levels of others", "hal/kernels/avx512.cpp", "for (v16& each : of[k].level) each = _mm512_setzero_si512();", "for (v16& each : of[k].level) each = of32<256>();", "kernels", "positions_that_stand*", KERNELS),
         ("AVX-512: texels in rows of 8 in more than 32 bits", "hal/kernels/avx512/places.hpp", "_mm256_set1_epi32(32 - 3)", "_mm256_set1_epi32(32 - 0)", "kernels", "sheared_and*", KERNELS),
         ("AVX-512: nine texels in rows of eight", "hal/kernels/avx512/places.hpp", "_mm512_cmple_epi32_mask(_mm512_sub_epi32(end, first), seven)", "_mm512_cmple_epi32_mask(_mm512_sub_epi32(end, first), of32<8>())", "kernels", "random_planes*", KERNELS),
         ("AVX-512: five rows of a span from four", "hal/kernels/avx512/places.hpp", "of32<block_side / 2 - 1>()", "of32<block_side / 2>()", "kernels", "spans_of_four*", KERNELS),
