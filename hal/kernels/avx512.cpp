@@ -177,7 +177,7 @@ SPANTEX_INLINE void draw_batch_on_levels(const row_work& work, const batch& b, u
     __m128i least = _mm_setzero_si128();
     bool all_alike = true, all_alone = true, next_too = false;
     if ((spans & b.magnified) >> k & 1) {
-      take(offsets_of(b, k), of[k]);  // their levels, all 0, are read of those alone that are drawn by themselves (below)
+      take(offsets_of<forms_in_turn>(b, k), of[k]);  // their levels, all 0, are read of those alone that are drawn by themselves (below)
     } else if (spans >> k & 1) {
       b.slope_log2[k] > most_level_slope_log2 ? find_pixels<true>(b, k, lengths[k], of[k]) : find_pixels<false>(b, k, lengths[k], of[k]);
       least = settle<two>(of[k].level, work.last_level, all_alike, all_alone);

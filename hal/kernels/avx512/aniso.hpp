@@ -225,7 +225,7 @@ SPANTEX_INLINE bool draw_aniso(const row_work& work, const batch& b, int k) {
   const bool flat = b.level >> k & 1;
   row_span span;
   span.pixels = &span.own;
-  offsets o = offsets_of(b, k);
+  offsets o = offsets_of<forms_in_turn>(b, k);
   for (v16& e : o.e) e = slope_of(e, b.slope_log2[k]);
   v16 nu[quads], nv[quads], largest = _mm512_setzero_si512();
   const auto some_take = [&](v16 ratio) SPANTEX_INLINED { return _mm512_cmpge_epi32_mask(largest, ratio) != 0; };

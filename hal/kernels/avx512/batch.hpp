@@ -66,8 +66,8 @@ struct alignas(64) batch {
   // Level 0, of spans that are flat enough to tell without their pixels: where the quads' sections lie.
   batch_sections sections;                                                        // bilinear
   int32_t row_at[quads][batch_size];                                              // nearest: the section's first texel in the rows of the map
-  int32_t column_bits[batch_size], row_bits[batch_size];                          // nearest: fraction of u; of v, so that a row is 8 texels
-  alignas(64) int32_t from[quads][2][batch_size];                                 // nearest: from it to the base texel, u and v, as offsets, and what rounds
+  int32_t column_bits[batch_size], row_bits[batch_size];                          // bits of fraction that offsets are left; nearest: of v, so that a row is 8 texels
+  alignas(64) int32_t from[quads][2][batch_size];                                 // from a section's first texel to the base texel, u and v, as offsets, and what rounds
   alignas(64) int64_t u_x[batch_size], v_x[batch_size], u_y[batch_size], v_y[batch_size], twist_u[batch_size], twist_v[batch_size];  // level.hpp: span_levels()
   alignas(64) int32_t right[2 * batch_size], below[2 * batch_size], spread[2 * batch_size];  // quad_bounds of filters with levels: u, then v
   int32_t axis_exponent[batch_size], area_log2[batch_size];  // the area's in 2^-16

@@ -6,6 +6,9 @@
 constexpr int32_t opaque = int32_t(0xFF000000);
 template <int Channels> constexpr bool with_alpha(int channel) { return Channels < channel_count && channel == Channels - 1; }
 
+// What a level's weights are shifted up by: it makes 16 bits of fraction, and 15, bytes 1 and 2 of which are the level's 8.7.
+constexpr int up_of_one = 2, up_between = 1;
+
 // Addresses and weights of sixteen pixels on one level, four bytes a pixel: texels (0,0) (1,0) (0,1) (1,1).
 struct samples {
   v16 index;           // column, 8 row: what a byte permute of two registers takes
@@ -44,15 +47,22 @@ struct sampling {
   }
 };
 
+// Of column + 16 row of sections of 16 columns, four times a pixel: the columns' uppermost bit is no part of the index.
+SPANTEX_INLINE samples placed_in_broad(v16 first) {
+  const v16 index = _mm512_add_epi8(first, of32<0x11100100>());
+  samples s;
+  s.index = _mm512_ternarylogic_epi32(_mm512_srli_epi16(index, 1), index, of32<0x07070707>(), 0xD8);
+  s.second = _mm512_test_epi8_mask(index, of32<0x08080808>());
+  return s;
+}
+
 template <held_in Where, int More = 0, int Up>
 SPANTEX_INLINE samples samples16(const sampling<Up>& c, v16 at) {
   using fields_of = sample_fields<Up, More>;
   samples s;
   const v16 texels = _mm512_and_si512(at, fields_of::texels()), fractions = _mm512_and_si512(at, fields_of::fractions());
-  if constexpr (is_broad(Where)) {  // 16 columns: their uppermost bit is no part of the index
-    const v16 index = _mm512_add_epi8(_mm512_multishift_epi64_epi8(fields_of::texel(), _mm512_madd_epi16(texels, of32<0x00100001>())), of32<0x11100100>());
-    s.index = _mm512_ternarylogic_epi32(_mm512_srli_epi16(index, 1), index, of32<0x07070707>(), 0xD8);
-    s.second = _mm512_test_epi8_mask(index, of32<0x08080808>());
+  if constexpr (is_broad(Where)) {
+    s = placed_in_broad(_mm512_multishift_epi64_epi8(fields_of::texel(), _mm512_madd_epi16(texels, of32<0x00100001>())));
   } else {
     s.index = _mm512_add_epi8(_mm512_multishift_epi64_epi8(fields_of::texel(), _mm512_madd_epi16(texels, c.row)), c.next);
     s.second = 0;
@@ -60,6 +70,37 @@ SPANTEX_INLINE samples samples16(const sampling<Up>& c, v16 at) {
   const v16 u = _mm512_multishift_epi64_epi8(fields_of::u(), fractions), v = _mm512_multishift_epi64_epi8(fields_of::v(), fractions);
   s.u = _mm512_mask_sub_epi8(u, c.even, c.all_u, u);
   s.v = _mm512_mask_sub_epi16(v, __mmask32(c.even), c.all_v, v);
+  return s;
+}
+
+// The same fields in u and v of sixteen pixels from their section's first texel, not yet snapped: 32 bits with so many of fraction. What is above and below fields is dropped with them.
+struct offset_fields { int64_t texel, row, row_of_broad, u, v; };
+struct offset_field_table {
+  static constexpr int least_bits = q.coordinate_bits, most_bits = 29;
+  offset_fields with_bits[most_bits + 1]{};
+  constexpr offset_field_table() {
+    for (int bits = least_bits; bits <= most_bits; ++bits) {
+      const auto bytes = [](int64_t from) { return fields(0x01010101 * from); };
+      const int64_t v = bits - q.subtexel_bits - up_of_one;
+      with_bits[bits] = {bytes(bits), bytes(bits - 3), bytes(bits - 4), bytes(bits - q.subtexel_bits), fields(v | (v + 8) << 8 | v << 16 | (v + 8) << 24)};
+    }
+  }
+};
+constexpr offset_field_table fields_of_offsets{};
+
+template <held_in Where>
+SPANTEX_INLINE samples samples_of_offsets(const sampling<up_of_one>& c, const offset_fields& at, v16 u, v16 v) {
+  const auto field = [](int64_t of, v16 x) SPANTEX_INLINED { return _mm512_multishift_epi64_epi8(set(of), x); };
+  samples s;
+  if constexpr (is_broad(Where)) {
+    s = placed_in_broad(_mm512_ternarylogic_epi32(field(at.row_of_broad, v), field(at.texel, u), of32<0x0F0F0F0F>(), 0xD8));
+  } else {
+    s.index = _mm512_add_epi8(_mm512_ternarylogic_epi32(field(at.row, v), field(at.texel, u), of32<0x07070707>(), 0xD8), c.next);
+    s.second = 0;
+  }
+  const v16 part_u = _mm512_and_si512(field(at.u, u), of32<0x7F7F7F7F>()), part_v = _mm512_and_si512(field(at.v, v), of32<0x007F007F << up_of_one>());
+  s.u = _mm512_mask_sub_epi8(part_u, c.even, c.all_u, part_u);
+  s.v = _mm512_mask_sub_epi16(part_v, __mmask32(c.even), c.all_v, part_v);
   return s;
 }
 
@@ -85,7 +126,6 @@ SPANTEX_INLINE void blended16(const quad_section<Where>& at, const samples& s, v
 }
 
 constexpr int32_t before_even = 0x7FFF;
-constexpr int up_of_one = 2, up_between = 1;  // what makes 16 bits of fraction, and 15: bytes 1 and 2 are then the level's 8.7
 
 // What all colours take: likewise.
 struct colouring {

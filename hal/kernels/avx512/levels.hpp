@@ -133,8 +133,10 @@ struct levels_of {
 // Positions and levels of a span's pixels, those not settled().
 template <bool Steep>
 SPANTEX_INLINE void find_pixels(const batch& b, int k, v16 lengths, span_pixels& p) {
-  offsets o = forms_of(b, k);
   const levels_of<Steep> levels(b, k, lengths);
-  evaluate(b, k, o, [&](int n, const slopes16& w) SPANTEX_INLINED { p.level[n] = levels(n, o.e[n], b.slope_log2[k], w); });
-  take(o, p);
+  evaluate<forms_in_turn>(b, k, [&](int n, v16 u, v16 v, v16 e, const slopes16& w) SPANTEX_INLINED {
+    p.u[n] = u;
+    p.v[n] = v;
+    p.level[n] = levels(n, e, b.slope_log2[k], w);
+  });
 }

@@ -121,12 +121,35 @@ SPANTEX_INLINE section_kinds find_sections(const planar_map& map, __m256i level,
   return {__mmask8(~(bad | bad >> batch_size)), kinds.deep, kinds.broad};
 }
 
-// On level 0.
-SPANTEX_INLINE void place(const row_work& work, __mmask8 flat, batch& b) {
+// Bits of fraction that spans' offsets have.
+SPANTEX_INLINE __m256i bits_of(const batch& b) {
+  const __mmask8 divided = _mm256_cmpeq_epi32_mask(got(b.terms), _mm256_set1_epi32(divide_terms));
+  return _mm256_mask_mov_epi32(got(b.exponent), divided, _mm256_set1_epi32(q.coordinate_bits));
+}
+
+// What rounds offsets with so many bits of fraction to coordinate_bits, and then snaps them: half of what they are snapped to, 2^shift, less half a texel.
+constexpr int32_t before_texel = 1 - (1 << q.subtexel_bits);
+SPANTEX_INLINE __m256i start_of(__m256i bits, __m256i shift) {
+  const __m256i rounding = _mm256_sllv_epi32(_mm256_set1_epi32(1), _mm256_sub_epi32(bits, _mm256_set1_epi32(q.coordinate_bits + 1)));  // 0 where they are divided: nothing is left to round
+  return _mm256_add_epi32(rounding, _mm256_sllv_epi32(_mm256_set1_epi32(before_texel), shift));
+}
+
+// On level 0, and what leads from offsets to positions in sections, to be snapped: fields_of_offsets.
+SPANTEX_WRAPS SPANTEX_INLINE void place(const row_work& work, __mmask8 flat, batch& b) {
   const section_kinds kinds = find_sections<true>(*work.texels, _mm256_setzero_si256(), quad_ends(quad_bounds::undivided(b)), false, b.sections);
   b.placed = flat & kinds.here;
   b.deep = kinds.deep;
   b.broad = kinds.broad;
+  // Positions modulo 16 texels fit 32 bits, of sections of 8x8 modulo 8.
+  const __m256i most = _mm256_mask_mov_epi32(_mm256_set1_epi32(29), kinds.deep | kinds.broad, _mm256_set1_epi32(28)), bits = _mm256_min_epi32(bits_of(b), most);
+  const __m256i start = start_of(bits, _mm256_sub_epi32(bits, _mm256_set1_epi32(q.subtexel_bits + 1)));
+  const auto from = [&](const int32_t (&base)[batch_size], __m256i first) SPANTEX_INLINED { return _mm256_add_epi32(start, _mm256_sllv_epi32(_mm256_sub_epi32(got(base), first), bits)); };
+#pragma GCC unroll 4
+  for (int n = 0; n < quads; ++n) {
+    put(b.from[n][0], from(b.base_u, _mm256_srai_epi32(got(b.sections.shift[n]), 3)));
+    put(b.from[n][1], from(b.base_v, got(b.sections.row[n])));
+  }
+  put(b.column_bits, bits);
 }
 
 // Single texels of level 0: 8x8 of them in rows. Their places in 8x8 are the three bits above the fraction of an offset with its section's added, and so must fit 32.
@@ -175,8 +198,7 @@ SPANTEX_WRAPS SPANTEX_INLINE void place_spans(const row_work& work, const batch&
   const auto after = [&](__m256i level) SPANTEX_INLINED { return _mm256_min_epi32(_mm256_add_epi32(level, _mm256_set1_epi32(1)), _mm256_set1_epi32(work.last_level)); };
   const __m256i coarse = after(fine);
   // Positions modulo 16 texels of the last level that is taken fit 32 bits.
-  const __mmask8 divided = _mm256_cmpeq_epi32_mask(got(b.terms), _mm256_set1_epi32(divide_terms));
-  const __m256i given = _mm256_mask_mov_epi32(got(b.exponent), divided, _mm256_set1_epi32(q.coordinate_bits));
+  const __m256i given = bits_of(b);
   const __m256i after_fine = _mm256_mask_mov_epi32(_mm256_maskz_set1_epi32(__mmask8(~alone), 1), __mmask8(crossing), _mm256_set1_epi32(2)), bits_and_level = _mm256_add_epi32(given, _mm256_add_epi32(fine, after_fine));
   const __m256i excess = _mm256_max_epi32(_mm256_sub_epi32(bits_and_level, _mm256_set1_epi32(28)), _mm256_setzero_si256()), bits = _mm256_sub_epi32(given, excess);
   // plan_bounds() holds up to a slope of 1/4.
@@ -197,10 +219,8 @@ SPANTEX_WRAPS SPANTEX_INLINE void place_spans(const row_work& work, const batch&
   p.deep = kinds.deep;
   p.broad = kinds.broad;
   put(p.level, fine);
-  const __m256i one = _mm256_set1_epi32(1), shift = _mm256_sub_epi32(_mm256_add_epi32(bits, fine), _mm256_set1_epi32(q.subtexel_bits + 1));
-  const __m256i rounding = _mm256_sllv_epi32(one, _mm256_sub_epi32(bits, _mm256_set1_epi32(q.coordinate_bits + 1)));  // 0 where they are divided: nothing is left to round
-  constexpr int32_t before = 1 - (1 << q.subtexel_bits);  // half of what positions are snapped to, less half a texel
-  const __m256i start = _mm256_add_epi32(rounding, _mm256_sllv_epi32(_mm256_set1_epi32(before), shift));
+  const __m256i shift = _mm256_sub_epi32(_mm256_add_epi32(bits, fine), _mm256_set1_epi32(q.subtexel_bits + 1));
+  const __m256i start = start_of(bits, shift);
   const auto from = [&](const int32_t (&base)[batch_size]) SPANTEX_INLINED { return _mm256_add_epi32(start, _mm256_sllv_epi32(got(base), bits)); };
   const __m256i from_u = from(b.base_u), from_v = from(b.base_v), texel = _mm256_add_epi32(bits, fine);
   put(p.excess, excess);
@@ -211,7 +231,7 @@ SPANTEX_WRAPS SPANTEX_INLINE void place_spans(const row_work& work, const batch&
   const auto to = [&](const batch_sections& s, int n, int levels) SPANTEX_INLINED {
     const auto moved = [&](__m256i fine_first, __m256i first) SPANTEX_INLINED {
       const __m256i less = _mm256_sub_epi32(fine_first, _mm256_slli_epi32(first, levels));
-      return _mm256_add_epi32(_mm256_slli_epi32(less, q.subtexel_bits + 1), _mm256_set1_epi32(before * ((1 << levels) - 1)));
+      return _mm256_add_epi32(_mm256_slli_epi32(less, q.subtexel_bits + 1), _mm256_set1_epi32(before_texel * ((1 << levels) - 1)));
     };
     return _mm256_mask_mov_epi16(_mm256_slli_epi32(moved(got(p.fine.row[n]), got(s.row[n])), 16), 0x5555, moved(column(p.fine, n), column(s, n)));
   };

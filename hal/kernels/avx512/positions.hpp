@@ -75,58 +75,88 @@ SPANTEX_INLINE void divide(v16 e, v8 shift, v16& u, v16& v) {
   v = by_divide16(v, r, shift);
 }
 
+// A linear form's values of a span's quads, asked for one after another.
+class quad_form {
+ public:
+  SPANTEX_INLINE quad_form(const batch_forms& f, int k) : right_(f.right[k]), below_(f.below[k]) {
+    const auto four = [](const int32_t (&of)[quad_side]) { return _mm_load_si128(reinterpret_cast<const __m128i*>(of)); };
+    const v16 rows = _mm512_setr_epi32(0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3);
+    left_ = _mm512_add_epi32(_mm512_broadcast_i32x4(four(f.across[k])), _mm512_permutexvar_epi32(rows, _mm512_castsi128_si512(four(f.down[k]))));
+  }
+  SPANTEX_INLINE v16 of(int n) {
+    if (n == 2) left_ = _mm512_add_epi32(left_, set32(below_));
+    return n & 1 ? _mm512_add_epi32(left_, set32(right_)) : left_;
+  }
+
+ private:
+  const int32_t &right_, &below_;
+  v16 left_;
+};
 SPANTEX_INLINE void forms_of(const batch_forms& f, int k, v16 (&out)[quads]) {
-  const auto four = [](const int32_t (&of)[quad_side]) { return _mm_load_si128(reinterpret_cast<const __m128i*>(of)); };
-  const v16 rows = _mm512_setr_epi32(0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3);
-  const v16 right = set32(f.right[k]), below = set32(f.below[k]);
-  out[0] = _mm512_add_epi32(_mm512_broadcast_i32x4(four(f.across[k])), _mm512_permutexvar_epi32(rows, _mm512_castsi128_si512(four(f.down[k]))));
-  out[1] = _mm512_add_epi32(out[0], right);
-  out[2] = _mm512_add_epi32(out[0], below);
-  out[3] = _mm512_add_epi32(out[1], below);
+  quad_form form(f, k);
+#pragma GCC unroll 4
+  for (int n = 0; n < quads; ++n) out[n] = form.of(n);
 }
 
 // Bits of fraction that a span's offsets have.
 SPANTEX_INLINE int bits_of(const batch& b, int k) { return b.terms[k] == divide_terms ? q.coordinate_bits : b.exponent[k]; }
 SPANTEX_INLINE uint32_t half_of(int bits) { return bits == q.coordinate_bits ? 0 : 1u << (bits - q.coordinate_bits - 1); }
 
-// A span's positions from its linear forms, quad by quad: each_quad(n, slopes) is told of each, before it is divided.
-template <int Terms>
-SPANTEX_INLINE void evaluate(const batch& b, int k, offsets& o, auto&& each_quad) {
+// The linear forms of a span's quads, in turn: all are more than there are registers where more is found of each. Or all first, so that they do not wait for each other.
+struct forms_in_turn {
+  quad_form u, v, e;
+  SPANTEX_INLINE forms_in_turn(const batch& b, int k) : u(b.u, k), v(b.v, k), e(b.e, k) {}
+};
+struct forms_first {
+  struct form {
+    v16 quad[quads];
+    SPANTEX_INLINE v16 of(int n) const { return quad[n]; }
+  } u, v, e;
+  SPANTEX_INLINE forms_first(const batch& b, int k) {
+    forms_of(b.u, k, u.quad);
+    forms_of(b.v, k, v.quad);
+    forms_of(b.e, k, e.quad);
+  }
+};
+
+// A span's positions, quad by quad: each_quad(n, u, v, e, slopes) is told of each.
+template <int Terms, class Forms>
+SPANTEX_INLINE void evaluate(const batch& b, int k, Forms& forms, auto&& each_quad) {
   const v16 drop = set32(b.series_drop[k]);
 #pragma GCC unroll 4
   for (int n = 0; n < quads; ++n) {
-    const slopes16 w(o.e[n]);
-    each_quad(n, w);
-    if constexpr (Terms == divide_terms) divide(slope_of(o.e[n], b.slope_log2[k]), set(b.exponent[k] - q.coordinate_bits + q.reciprocal_bits), o.u[n], o.v[n]);
-    else if constexpr (Terms > 0) divide_by_series<Terms>(drop, w, o.u[n], o.v[n]);
+    v16 u = forms.u.of(n), v = forms.v.of(n);
+    const v16 e = forms.e.of(n);
+    const slopes16 w(e);
+    if constexpr (Terms == divide_terms) divide(slope_of(e, b.slope_log2[k]), set(b.exponent[k] - q.coordinate_bits + q.reciprocal_bits), u, v);
+    else if constexpr (Terms > 0) divide_by_series<Terms>(drop, w, u, v);
+    each_quad(n, u, v, e, w);
   }
 }
-SPANTEX_INLINE void evaluate(const batch& b, int k, offsets& o, auto&& each_quad) {
+template <class Forms>
+SPANTEX_INLINE void evaluate(const batch& b, int k, auto&& each_quad) {
   static_assert(most_series_terms == 4 && divide_terms == 5);
+  Forms forms(b, k);
   switch (b.terms[k]) {
-    case 0: return evaluate<0>(b, k, o, each_quad);
-    case 1: return evaluate<1>(b, k, o, each_quad);
-    case 2: return evaluate<2>(b, k, o, each_quad);
-    case 3: return evaluate<3>(b, k, o, each_quad);
-    case 4: return evaluate<4>(b, k, o, each_quad);
-    default: return evaluate<divide_terms>(b, k, o, each_quad);
+    case 0: return evaluate<0>(b, k, forms, each_quad);
+    case 1: return evaluate<1>(b, k, forms, each_quad);
+    case 2: return evaluate<2>(b, k, forms, each_quad);
+    case 3: return evaluate<3>(b, k, forms, each_quad);
+    case 4: return evaluate<4>(b, k, forms, each_quad);
+    default: return evaluate<divide_terms>(b, k, forms, each_quad);
   }
 }
 
-// Before they are divided; bits and half are those that they have then.
-SPANTEX_INLINE offsets forms_of(const batch& b, int k) {
+template <class Forms>
+SPANTEX_INLINE offsets offsets_of(const batch& b, int k) {
   offsets o;
-  forms_of(b.u, k, o.u);
-  forms_of(b.v, k, o.v);
-  forms_of(b.e, k, o.e);
+  evaluate<Forms>(b, k, [&](int n, v16 u, v16 v, v16 e, const slopes16&) SPANTEX_INLINED {
+    o.u[n] = u;
+    o.v[n] = v;
+    o.e[n] = e;
+  });
   o.bits = bits_of(b, k);
   o.half = half_of(o.bits);
-  return o;
-}
-
-SPANTEX_INLINE offsets offsets_of(const batch& b, int k) {
-  offsets o = forms_of(b, k);
-  evaluate(b, k, o, [](int, const slopes16&) SPANTEX_INLINED {});
   return o;
 }
 

@@ -28,24 +28,28 @@ SPANTEX_INLINE v16 wrapped16(v16 k, int32_t side, wrap mode) {
 
 // --- spans ---------------------------------------------------------------------------------------------
 
+// As many of the offsets' bits as what their span was placed by counts on.
+SPANTEX_INLINE void keep_bits(const batch& b, int k, offsets& o) {
+  if (o.bits != b.column_bits[k]) [[unlikely]] drop_bits(o.bits - b.column_bits[k], o.u, o.v);
+}
+
 template <int Channels>
 SPANTEX_INLINE bool draw_bilinear(const row_work& work, const batch& b, int k) {
   const planar_map& map = *work.texels;
-  offsets o = offsets_of(b, k);
+  offsets o = offsets_of<forms_in_turn>(b, k);
   sampling<up_of_one> from;
   colouring as;
   v16 out[quads];
   const auto drawn = [&]<held_in Where>() SPANTEX_INLINED {
-    shorten(0, o.u, o.v, o.bits, o.half);
+    const offset_fields& at = fields_of_offsets.with_bits[b.column_bits[k]];
 #pragma GCC unroll 4
     for (int n = 0; n < quads; ++n) {
-      positions at = positions_of(b, k, o, n);
-      at.base_u -= b.sections.shift[n][k] >> 3;
-      at.base_v -= b.sections.row[n][k];
-      out[n] = bilinear16<Channels>(as, section_of<Where>(map.blocks(), b.sections, k, n), samples16<Where>(from, snapped16(at, 0)));
+      const v16 u = _mm512_add_epi32(o.u[n], set32(b.from[n][0][k])), v = _mm512_add_epi32(o.v[n], set32(b.from[n][1][k]));
+      out[n] = bilinear16<Channels>(as, section_of<Where>(map.blocks(), b.sections, k, n), samples_of_offsets<Where>(from, at, u, v));
     }
   };
   if (b.placed >> k & 1) {
+    keep_bits(b, k, o);
     const bool deep = b.deep >> k & 1, broad = b.broad >> k & 1;
     if (deep) broad ? drawn.template operator()<held_in::full>() : drawn.template operator()<held_in::narrow>();
     else broad ? drawn.template operator()<held_in::broad>() : drawn.template operator()<held_in::shallow>();
@@ -83,14 +87,25 @@ struct texel_rows {
   }
 };
 
+// Out of line: it is seldom reached, and arrays of vectors whose numbers are not constants lie in memory.
+template <bool Gathers>
+SPANTEX_INLINE v16 texels_beyond(const planar_map& map, const positions& p) {
+  const v16 half = set32(int32_t(p.half)), bits = set32(p.bits);
+  const auto texel = [&](v16 offset, int32_t base) SPANTEX_INLINED { return _mm512_add_epi32(_mm512_srav_epi32(_mm512_add_epi32(offset, half), bits), set32(base)); };
+  const v16 x = wrapped16(texel(p.u, p.base_u), map.width(), map.wrap_u()), y = wrapped16(texel(p.v, p.base_v), map.height(), map.wrap_v());
+  alignas(64) uint32_t at[span_pixel_count / quads];
+  _mm512_store_si512(at, _mm512_add_epi32(_mm512_mullo_epi32(y, set32(map.row_stride())), x));
+  return texels_from<Gathers>(map.row(0), at);
+}
+
 template <bool Gathers>
 SPANTEX_INLINE void draw_nearest(const row_work& work, const batch& b, int k) {
   const planar_map& map = *work.texels;
-  offsets o = offsets_of(b, k);
+  offsets o = offsets_of<forms_first>(b, k);
   v16 out[quads];
   if (b.placed >> k & 1) {
     const v16 column_bits = set32(b.column_bits[k]), row_bits = set32(b.row_bits[k]), across = of32<block_side - 1>();
-    if (o.bits != b.column_bits[k]) [[unlikely]] drop_bits(o.bits - b.column_bits[k], o.u, o.v);
+    keep_bits(b, k, o);
     const auto index = [&](int n, v16 from_u, v16 from_v) SPANTEX_INLINED {
       const v16 u = _mm512_srlv_epi32(_mm512_add_epi32(o.u[n], from_u), column_bits), v = _mm512_srlv_epi32(_mm512_add_epi32(o.v[n], from_v), row_bits);
       return _mm512_ternarylogic_epi32(v, u, across, 0xD8);
@@ -109,16 +124,8 @@ SPANTEX_INLINE void draw_nearest(const row_work& work, const batch& b, int k) {
       for (int n = 0; n < quads; ++n) out[n] = rows.template operator()<8>(n).at(index(n, set32(b.from[n][0][k]), set32(b.from[n][1][k])));
     }
   } else {
-    const v16 half = set32(int32_t(o.half)), bits = set32(o.bits);
-    const v16 base_u = set32(b.base_u[k]), base_v = set32(b.base_v[k]), stride = set32(map.row_stride());
-    for (int n = 0; n < quads; ++n) {
-      const v16 u = _mm512_add_epi32(_mm512_srav_epi32(_mm512_add_epi32(o.u[n], half), bits), base_u);
-      const v16 v = _mm512_add_epi32(_mm512_srav_epi32(_mm512_add_epi32(o.v[n], half), bits), base_v);
-      const v16 x = wrapped16(u, map.width(), map.wrap_u()), y = wrapped16(v, map.height(), map.wrap_v());
-      alignas(64) uint32_t at[span_pixel_count / quads];
-      _mm512_store_si512(at, _mm512_add_epi32(_mm512_mullo_epi32(y, stride), x));
-      out[n] = texels_from<Gathers>(map.row(0), at);
-    }
+#pragma GCC unroll 4
+    for (int n = 0; n < quads; ++n) out[n] = texels_beyond<Gathers>(map, positions_of(b, k, o, n));
   }
   write(work, b.sx + k, work.masks[b.first + k], out);
 }
