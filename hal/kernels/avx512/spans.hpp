@@ -87,7 +87,7 @@ struct texel_rows {
   }
 };
 
-// Out of line: it is seldom reached, and arrays of vectors whose numbers are not constants lie in memory.
+// Texels of a quad's pixels, wherever they lie.
 template <bool Gathers>
 SPANTEX_INLINE v16 texels_beyond(const planar_map& map, const positions& p) {
   const v16 half = set32(int32_t(p.half)), bits = set32(p.bits);
