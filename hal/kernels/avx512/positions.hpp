@@ -184,18 +184,7 @@ SPANTEX_INLINE void shorten(int last_level, v16 (&u)[quads], v16 (&v)[quads], in
 }
 
 // Positions on a level, from a section's first texel: u in the lower half of each lane, v in the upper, 7 bits of fraction and 4 of texel each; what is above is anything.
-SPANTEX_INLINE v16 snapped16(v16 offset_u, v16 offset_v, v16 from_u, v16 from_v, v16 drop, v16 turn) {
-  const v16 u = _mm512_srlv_epi32(_mm512_add_epi32(offset_u, from_u), drop), v = _mm512_rorv_epi32(_mm512_add_epi32(offset_v, from_v), turn);
-  return _mm512_ternarylogic_epi32(u, v, upper(), 0xD8);  // bits of v where upper
-}
-
-SPANTEX_INLINE SPANTEX_WRAPS v16 snapped16(const positions& p, int level) {
-  const int drop = p.bits + level - q.subtexel_bits;
-  const uint32_t half = 1u << (drop - 1), start = p.half + half - (half << q.subtexel_bits);
-  return snapped16(p.u, p.v, set32(int32_t((uint32_t(p.base_u) << p.bits) + start)), set32(int32_t((uint32_t(p.base_v) << p.bits) + start)), set32(drop), set32(drop - 16));
-}
-
-// The same, half of them and what they are relative to in `from`.
+// `from`: what they are relative to, and half of what they are snapped to.
 template <class C>
 SPANTEX_INLINE v16 snapped_by(const C& c, v16 u, v16 v, int32_t from_u, int32_t from_v, int32_t drop, int32_t turn) {
   const v16 x = _mm512_srlv_epi32(_mm512_add_epi32(u, set32(from_u)), set32(drop)), y = _mm512_rorv_epi32(_mm512_add_epi32(v, set32(from_v)), set32(turn));
@@ -268,7 +257,7 @@ struct alignas(32) scaling {
     begin_four(from + quads, row, _mm_add_epi32(four(drop + quads), subtexel));
   }
 
-  // As snapped16() has them.
+  // As snapped_by() has them.
   template <class C>
   SPANTEX_INLINE v16 at(const C& c, v16 u, v16 v, int n) const {
     const v16 x = _mm512_srlv_epi32(product(u, n), set32(drop[n])), y = _mm512_rorv_epi32(product(v, n + quads), set32(drop[n + quads] - 16));

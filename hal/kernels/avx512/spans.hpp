@@ -40,32 +40,35 @@ SPANTEX_INLINE bool draw_bilinear(const row_work& work, const batch& b, int k) {
   sampling<up_of_one> from;
   colouring as;
   v16 out[quads];
-  const auto drawn = [&]<held_in Where>() SPANTEX_INLINED {
-    const offset_fields& at = fields_of_offsets.with_bits[b.column_bits[k]];
+  // Quad n's section, and what leads to positions in it, u and v.
+  const auto drawn = [&]<held_in Where>(int bits, auto&& section, auto&& from_u, auto&& from_v) SPANTEX_INLINED {
+    const offset_fields& at = fields_of_offsets.with_bits[bits];
 #pragma GCC unroll 4
     for (int n = 0; n < quads; ++n) {
-      const v16 u = _mm512_add_epi32(o.u[n], set32(b.from[n][0][k])), v = _mm512_add_epi32(o.v[n], set32(b.from[n][1][k]));
-      out[n] = bilinear16<Channels>(as, section_of<Where>(map.blocks(), b.sections, k, n), samples_of_offsets<Where>(from, at, u, v));
+      const v16 u = _mm512_add_epi32(o.u[n], set32(from_u(n))), v = _mm512_add_epi32(o.v[n], set32(from_v(n)));
+      out[n] = bilinear16<Channels>(as, section(n), samples_of_offsets<Where>(from, at, u, v));
     }
   };
   if (b.placed >> k & 1) {
     keep_bits(b, k, o);
+    const auto by_width = [&]<held_in Where>() SPANTEX_INLINED {
+      drawn.template operator()<Where>(b.column_bits[k], [&](int n) SPANTEX_INLINED { return section_of<Where>(map.blocks(), b.sections, k, n); },
+            [&](int n) SPANTEX_INLINED { return b.from[n][0][k]; }, [&](int n) SPANTEX_INLINED { return b.from[n][1][k]; });
+    };
     const bool deep = b.deep >> k & 1, broad = b.broad >> k & 1;
-    if (deep) broad ? drawn.template operator()<held_in::full>() : drawn.template operator()<held_in::narrow>();
-    else broad ? drawn.template operator()<held_in::broad>() : drawn.template operator()<held_in::shallow>();
+    if (deep) broad ? by_width.template operator()<held_in::full>() : by_width.template operator()<held_in::narrow>();
+    else broad ? by_width.template operator()<held_in::broad>() : by_width.template operator()<held_in::shallow>();
   } else {
     span_sections sections;
     const v16 level = _mm512_setzero_si512();
     find_sections<false>(map, end_texels(reach_of(o.u, o.v, o.bits, b.base_u[k], b.base_v[k], cut::square), level), level, sections);
     if (sections.fit != 0xF) return false;
     shorten(0, o.u, o.v, o.bits, o.half);
-#pragma GCC unroll 4
-    for (int n = 0; n < quads; ++n) {
-      positions at = positions_of(b, k, o, n);
-      at.base_u -= sections.shift[n] >> 3;
-      at.base_v -= sections.row[n];
-      out[n] = bilinear16<Channels>(as, section_of<held_in::narrow>(map.blocks(), sections, n), samples16<held_in::narrow>(from, snapped16(at, 0)));
-    }
+    snapping at;
+    at.take_two(o.bits, o.half, b.base_u[k], b.base_v[k], _mm512_castsi512_si256(level));
+    at.begin_at(_mm_srai_epi32(four(sections.shift), 3), four(sections.row), 0);
+    drawn.template operator()<held_in::narrow>(o.bits, [&](int n) SPANTEX_INLINED { return section_of<held_in::narrow>(map.blocks(), sections, n); },
+          [&](int n) SPANTEX_INLINED { return at.from_u[n]; }, [&](int n) SPANTEX_INLINED { return at.from_v[n]; });
   }
   write(work, b.sx + k, work.masks[b.first + k], out);
   return true;
