@@ -229,6 +229,7 @@ void draw_batches(const row_work& work, plans_of_left<Kind>& left) {
 template <bool Gathers>
 void draw_row_of_nearest(const row_work& work) {
   constexpr int pair = 2;
+  constexpr int soon = 3;  // the lower half of the span so many after one is prefetched: what is above it the row of spans before has read
   const batch_steps steps(*work.map);
   batch two[2][pair];
   setup s[pair];
@@ -243,7 +244,10 @@ void draw_row_of_nearest(const row_work& work) {
       const batch& b = two[turn][n];
       const uint32_t spans = spans_of(work, b);
       for (int k = 0; k < batch_size; ++k)
-        if (spans >> k & 1) draw_nearest<Gathers>(work, b, k);
+        if (spans >> k & 1) {
+          const batch& then = k + soon < batch_size ? b : *(n + 1 < pair ? &two[turn][n + 1] : &two[turn ^ 1][0]);
+          draw_nearest<Gathers>(work, b, k, then.row_at[quads / 2][(k + soon) & (batch_size - 1)]);
+        }
     }
   }
 }

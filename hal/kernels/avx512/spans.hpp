@@ -101,8 +101,9 @@ SPANTEX_INLINE v16 texels_beyond(const planar_map& map, const positions& p) {
   return texels_from<Gathers>(map.row(0), at);
 }
 
+// soon: the first texel, in the map's rows, of those to be in the first cache when a span after this one is drawn. Spans whose quads have one section lie on few rows.
 template <bool Gathers>
-SPANTEX_INLINE void draw_nearest(const row_work& work, const batch& b, int k) {
+SPANTEX_INLINE void draw_nearest(const row_work& work, const batch& b, int k, int32_t soon) {
   const planar_map& map = *work.texels;
   offsets o = offsets_of<forms_first>(b, k);
   v16 out[quads];
@@ -123,6 +124,9 @@ SPANTEX_INLINE void draw_nearest(const row_work& work, const batch& b, int k) {
     if (b.together >> k & 1) [[unlikely]] {  // where it is likely, it is all along
       b.few_rows >> k & 1 ? from_one.template operator()<4>() : from_one.template operator()<8>();
     } else {
+      const rgba8* const then = map.row(0) + soon;
+#pragma GCC unroll 8
+      for (int y = 0; y < block_side; ++y) _mm_prefetch(reinterpret_cast<const char*>(then + y * map.row_stride()), _MM_HINT_T0);
 #pragma GCC unroll 4
       for (int n = 0; n < quads; ++n) out[n] = rows.template operator()<8>(n).at(index(n, set32(b.from[n][0][k]), set32(b.from[n][1][k])));
     }
