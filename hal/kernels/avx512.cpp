@@ -229,7 +229,7 @@ void draw_batches(const row_work& work, plans_of_left<Kind>& left) {
 template <bool Gathers>
 void draw_row_of_nearest(const row_work& work) {
   constexpr int pair = 2;
-  constexpr int soon = 3;  // the lower half of the span so many after one is prefetched: what is above it the row of spans before has read
+  constexpr int soon = 3;  // spans ahead: its lower half is prefetched; what lies above that the row of spans before has read
   const batch_steps steps(*work.map);
   batch two[2][pair];
   setup s[pair];

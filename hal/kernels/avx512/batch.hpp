@@ -65,7 +65,7 @@ struct alignas(64) batch {
   int32_t affine_log2[batch_size];                       // a position lies within 2^this texels of where it would if nothing were divided
   // Level 0, of spans that are flat enough to tell without their pixels: where the quads' sections lie.
   batch_sections sections;                                                        // bilinear
-  int32_t row_at[quads][batch_size] = {};                                         // nearest: the section's first texel in the rows of the map; that of a span beyond the row's last may be of any
+  int32_t row_at[quads][batch_size] = {};                                         // nearest: the section's first texel in the rows of the map; of spans that are not planned anything, to be prefetched at most
   int32_t column_bits[batch_size], row_bits[batch_size];                          // bits of fraction that offsets are left; nearest: of v, so that a row is 8 texels
   alignas(64) int32_t from[quads][2][batch_size];                                 // from a section's first texel to the base texel, u and v, as offsets, and what rounds
   alignas(64) int64_t u_x[batch_size], v_x[batch_size], u_y[batch_size], v_y[batch_size], twist_u[batch_size], twist_v[batch_size];  // level.hpp: span_levels()

@@ -101,7 +101,7 @@ SPANTEX_INLINE v16 texels_beyond(const planar_map& map, const positions& p) {
   return texels_from<Gathers>(map.row(0), at);
 }
 
-// soon: the first texel, in the map's rows, of those to be in the first cache when a span after this one is drawn. Spans whose quads have one section lie on few rows.
+// soon: the first texel, in the map's rows, of eight rows that a span after this one takes; they are prefetched, but where quads have one section and rows are few.
 template <bool Gathers>
 SPANTEX_INLINE void draw_nearest(const row_work& work, const batch& b, int k, int32_t soon) {
   const planar_map& map = *work.texels;
