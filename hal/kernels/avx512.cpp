@@ -245,7 +245,7 @@ void draw_row_of_nearest(const row_work& work) {
       const uint32_t spans = spans_of(work, b);
       for (int k = 0; k < batch_size; ++k)
         if (spans >> k & 1) {
-          const batch& then = k + soon < batch_size ? b : *(n + 1 < pair ? &two[turn][n + 1] : &two[turn ^ 1][0]);
+          const batch& then = k + soon < batch_size ? b : n + 1 < pair ? two[turn][n + 1] : two[turn ^ 1][0];
           draw_nearest<Gathers>(work, b, k, then.row_at[quads / 2][(k + soon) & (batch_size - 1)]);
         }
     }
