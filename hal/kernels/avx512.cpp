@@ -36,6 +36,7 @@ namespace {
 #include "avx512/places.hpp"
 #include "avx512/plan.hpp"
 #include "avx512/positions.hpp"
+#include "avx512/scaled.hpp"
 #include "avx512/levels.hpp"
 #include "avx512/sections.hpp"
 #include "avx512/filters.hpp"
@@ -189,7 +190,10 @@ SPANTEX_INLINE void draw_batch_on_levels(const row_work& work, const batch& b, u
     alone |= uint32_t(all_alone) << k;
     crossing |= uint32_t(next_too) << k;
   }
-  place_spans<two>(work, b, spans & ~scaled & (alike | crossing), alone, crossing, _mm256_srai_epi32(level, q.level_bits), places);
+  const __m256i whole = _mm256_srai_epi32(level, q.level_bits);
+  place_spans<two>(work, b, spans & ~scaled & (alike | crossing), alone, crossing, whole, places);
+  scaled_places others;
+  if (scaled != 0) [[unlikely]] place_scaled_spans<two>(work, b, spans & scaled & alike, alone, whole, others);
   for (int k = 0; k < batch_size; ++k) {
     if (k < plan_parts) next.part(k);
     if (places.placed >> k & 1) blend_placed<two, Channels>(work, b, k, alone >> k & 1, crossing >> k & 1, of[k], places);
@@ -197,6 +201,10 @@ SPANTEX_INLINE void draw_batch_on_levels(const row_work& work, const batch& b, u
   spans &= ~places.placed;
   for (int k = 0; spans >> k != 0; ++k) {
     if (!(spans >> k & 1)) continue;
+    if (others.placed >> k & 1) {
+      blend_scaled<two, Channels>(work, b, k, alone >> k & 1, of[k], others);
+      continue;
+    }
     if (b.magnified >> k & 1)
       for (v16& each : of[k].level) each = _mm512_setzero_si512();
     work.left[b.first + k] = !draw_by_itself<two, Channels>(work, b, k, scaled >> k & 1, of[k]);

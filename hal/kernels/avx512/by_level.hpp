@@ -32,6 +32,16 @@ struct placed_span {
   SPANTEX_INLINE int32_t first_of(int) const { return at.level[k]; }
 };
 
+// A span that place_scaled_spans() placed.
+struct placed_scaled_span {
+  const span_pixels* pixels;
+  const scaled_places& at;
+  int k;
+  static constexpr uint32_t fit = 0xF;
+  template <held_in> static constexpr held_in after = held_in::shallow;
+  template <int> static constexpr int more_bits = 0;
+};
+
 // Whole levels of pixels.
 template <bool TwoLevels>
 SPANTEX_INLINE v16 whole_of(v16 level) {
@@ -68,18 +78,11 @@ SPANTEX_INLINE v16 of_each_quad(const v16 (&x)[quads]) {
 // before the base, which are as many of the level's (of a side that has become 1 they may be others, but there all texels are one).
 SPANTEX_INLINE v16 scale_ends(const planar_map& map, v16 reach, v16 level, v16 turns, scaling& s) {
   const planar_levels& texels = map.levels();
-  const v16 ratio = of_levels(level, texels.ratio_u, texels.ratio_v), half_texel = of32<1 << (q.subtexel_bits - 1)>(), one = of32<1>();
-  // A product's upper half has 2^-(7 + drop) texel.
-  const v16 halved = _mm512_add_epi32(level, of32<16 + 31 - q.subtexel_bits - 32>());
-  const v16 drop = _mm512_mask_sub_epi32(halved, _mm512_cmpeq_epi32_mask(ratio, of32<1 << 30>()), halved, one);
-  const v16 turned = _mm512_slli_epi32(_mm512_mullo_epi32(turns, of_levels(level, texels.period_u, texels.period_v)), q.subtexel_bits);
-  const v16 from = _mm512_sub_epi32(_mm512_setzero_si512(), _mm512_sllv_epi32(_mm512_add_epi32(turned, half_texel), drop));
-  const v16 half = _mm512_sllv_epi32(one, _mm512_sub_epi32(drop, one));
-  put(s.ratio, _mm512_castsi512_si256(ratio));
-  put(s.from, _mm512_castsi512_si256(_mm512_add_epi32(from, half)));
-  put(s.drop, _mm512_castsi512_si256(drop));
-  const v16 product = scaling::products(reach, ratio, _mm512_srli_epi64(ratio, 32));
-  return _mm512_add_epi32(_mm512_srav_epi32(_mm512_add_epi32(product, from), _mm512_add_epi32(drop, of32<q.subtexel_bits>())), one_at_last_ends());
+  const level_scale scale(of_levels(level, texels.ratio_u, texels.ratio_v), level, _mm512_mullo_epi32(turns, of_levels(level, texels.period_u, texels.period_v)));
+  put(s.ratio, _mm512_castsi512_si256(scale.ratio));
+  put(s.from, _mm512_castsi512_si256(scale.rounding_from()));
+  put(s.drop, _mm512_castsi512_si256(scale.drop));
+  return _mm512_add_epi32(scale.texel(reach), one_at_last_ends());
 }
 
 // Where the levels of a span's quads lie in the map. `crossing`: some quad's pixels have two whole levels. Scaled: u and v are from the origin, s15.16, and
@@ -174,9 +177,16 @@ SPANTEX_INLINE v16 snapped_on(const placed_span<Deep>& s, const C& c, v16 u, v16
   return snapped_by(c, u, v, p.from_u[n][s.k], p.from_v[n][s.k], p.drop[s.k], p.turn[s.k]);
 }
 
+template <bool Scaled, int After, class C>
+SPANTEX_INLINE v16 snapped_on(const placed_scaled_span& s, const C& c, v16 u, v16 v, int n) {
+  return s.at.on[After].at(c, u, v, s.k, n);
+}
+
 // Those of a quad where they are known on the fine level.
 template <bool Scaled, int After, class C>
 SPANTEX_INLINE v16 snapped_after(const level_span& s, const C& c, v16, int n) { return snapped_on<Scaled, After>(s, c, s.pixels->u[n], s.pixels->v[n], n); }
+template <bool Scaled, int After, class C>
+SPANTEX_INLINE v16 snapped_after(const placed_scaled_span& s, const C& c, v16, int n) { return snapped_on<Scaled, After>(s, c, s.pixels->u[n], s.pixels->v[n], n); }
 template <bool Scaled, int After, class C, bool Deep>
 SPANTEX_INLINE v16 snapped_after(const placed_span<Deep>& s, const C&, v16 fine, int n) {
   return _mm512_add_epi16(fine, set32((After == 1 ? s.at.to_coarse : s.at.to_next)[n][s.k]));
@@ -187,6 +197,8 @@ template <int After, held_in Where>
 SPANTEX_INLINE auto section_after(const uint8_t* blocks, const level_span& s, int n) { return section_of<Where>(blocks, After == 0 ? s.fine : After == 1 ? s.coarse : s.next, n); }
 template <int After, held_in Where, bool Deep>
 SPANTEX_INLINE auto section_after(const uint8_t* blocks, const placed_span<Deep>& s, int n) { return section_of<Where>(blocks, After == 0 ? s.at.fine : After == 1 ? s.at.coarse : s.at.next, s.k, n); }
+template <int After, held_in Where>
+SPANTEX_INLINE auto section_after(const uint8_t* blocks, const placed_scaled_span& s, int n) { return section_of<Where>(blocks, s.at.on[After].sections, s.k, n); }
 
 // How a span's quads are drawn. Whether the fine sections are as narrow as the coarse ones is much the same from one span to the next.
 template <bool TwoLevels, taken Levels, int Channels, held_in Fine, bool Scaled = false>
@@ -355,6 +367,19 @@ SPANTEX_INLINE void blend_placed(const row_work& work, const batch& b, int k, bo
 }
 
 // On levels whose sides do not halve exactly.
+template <bool TwoLevels, int Channels>
+[[gnu::noinline]] void blend_scaled(const row_work& work, const batch& b, int k, bool alone, span_pixels& pixels, const scaled_places& p) {
+  count_from_origin(b, k, pixels);
+  const auto blended = [&]<taken Levels, held_in Fine>() SPANTEX_INLINED { blend_span<quad_blender<TwoLevels, Levels, Channels, Fine>>(work, b, k, placed_scaled_span{&pixels, p, k}); };
+  const bool deep = p.deep >> k & 1, broad = p.broad >> k & 1;
+  const auto by_width = [&]<taken Levels>() SPANTEX_INLINED {
+    if (deep) broad ? blended.template operator()<Levels, held_in::full>() : blended.template operator()<Levels, held_in::narrow>();
+    else broad ? blended.template operator()<Levels, held_in::broad>() : blended.template operator()<Levels, held_in::shallow>();
+  };
+  if constexpr (TwoLevels)
+    if (!alone) return by_width.template operator()<taken::all>();
+  by_width.template operator()<taken::one>();
+}
 template <bool TwoLevels, int Channels>
 [[gnu::noinline]] bool draw_at_scaled_levels(const row_work& work, const batch& b, int k, level_span& s) {
   place_scaled_span<TwoLevels>(work, b, k, s);

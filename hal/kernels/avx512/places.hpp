@@ -60,20 +60,20 @@ struct quad_ends {
 // How spans' sections lie, bit k of span k's: all of its quads' are here; they are more than eight rows, more than eight columns (16 at most).
 struct section_kinds { __mmask8 here, deep, broad; };
 
+// What the axes have on each span's level.
+SPANTEX_INLINE v16 of_both_axes(v16 levels, const int32_t (&u)[max_planar_levels], const int32_t (&v)[max_planar_levels]) {
+  return _mm512_permutex2var_epi32(_mm512_load_si512(u), _mm512_or_si512(levels, both_axes(0, max_planar_levels)), _mm512_load_si512(v));
+}
+
 // Sections of 2x2 texels on a level of each span, which begin anywhere: of 16x16 texels at most or, not Broad, 8 columns of 16 rows.
-// all: what the largest have is left of smaller ones too.
+// texel: the one of the level that a bound needs. all: what the largest have is left of smaller ones too.
 template <bool Broad>
-SPANTEX_INLINE section_kinds find_sections(const planar_map& map, __m256i level, const quad_ends& ends, bool all, batch_sections& s) {
+SPANTEX_INLINE section_kinds find_sections(const planar_map& map, v16 levels, const quad_ends& ends, bool all, batch_sections& s, auto&& texel) {
   constexpr __mmask16 columns = 0x00FF, rows = 0xFF00;
   const planar_levels& texels = map.levels();
-  const v16 levels = both_axes(level, level), axis = _mm512_or_si512(levels, both_axes(0, max_planar_levels));
-  const auto of_axes = [&](const int32_t (&u)[max_planar_levels], const int32_t (&v)[max_planar_levels]) SPANTEX_INLINED {
-    return _mm512_permutex2var_epi32(_mm512_load_si512(u), axis, _mm512_load_si512(v));
-  };
-  const v16 bytes = of_axes(texels.column_bytes, texels.row_bytes);
+  const auto of_axes = [&](const int32_t (&u)[max_planar_levels], const int32_t (&v)[max_planar_levels]) SPANTEX_INLINED { return of_both_axes(levels, u, v); };
+  const v16 bytes = of_axes(texels.column_bytes, texels.row_bytes), one = of32<1>();
   const __m256i origin = _mm512_castsi512_si256(_mm512_permutexvar_epi32(levels, _mm512_load_si512(texels.origin)));
-  const v16 half = _mm512_sllv_epi32(of32<1 << 15>(), levels), drop = _mm512_add_epi32(levels, of32<16>()), one = of32<1>();
-  const auto texel = [&](v16 position) SPANTEX_INLINED { return _mm512_srav_epi32(_mm512_sub_epi32(position, half), drop); };
   // Columns of blocks are counted, and rows of texels.
   const auto counted = [&](v16 k) SPANTEX_INLINED { return _mm512_mask_srai_epi32(k, columns, k, 3); };
   const v16 last_block = of_axes(texels.last_column, texels.last_row), last = _mm512_mask_slli_epi32(last_block, rows, last_block, 3), step = both_axes(1, block_side);
@@ -119,6 +119,13 @@ SPANTEX_INLINE section_kinds find_sections(const planar_map& map, __m256i level,
     put(s.shift[n], _mm256_slli_epi32(lower(first[n]), 3));
   }
   return {__mmask8(~(bad | bad >> batch_size)), kinds.deep, kinds.broad};
+}
+
+// On levels whose sides halve exactly.
+template <bool Broad>
+SPANTEX_INLINE section_kinds find_sections(const planar_map& map, __m256i level, const quad_ends& ends, bool all, batch_sections& s) {
+  const v16 levels = both_axes(level, level), half = _mm512_sllv_epi32(of32<1 << 15>(), levels), drop = _mm512_add_epi32(levels, of32<16>());
+  return find_sections<Broad>(map, levels, ends, all, s, [&](v16 position) SPANTEX_INLINED { return _mm512_srav_epi32(_mm512_sub_epi32(position, half), drop); });
 }
 
 // Bits of fraction that spans' offsets have.

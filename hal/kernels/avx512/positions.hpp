@@ -233,34 +233,3 @@ struct alignas(32) snapping {
   template <class C>
   SPANTEX_INLINE v16 at(const C& c, v16 u, v16 v, int k) const { return snapped_by(c, u, v, from_u[k], from_v[k], drop[k], turn[k]); }
 };
-
-// A level whose sides do not halve exactly: positions on it are products of positions from the origin, s15.16, with the ratio of its sides to level 0's.
-// Lanes and numbers are of the quads' u, then of their v.
-struct alignas(32) scaling {
-  static_assert(2 * quads == batch_size, "put() stores as many");
-  int32_t ratio[2 * quads], from[2 * quads], drop[2 * quads];
-
-  // The upper halves of products.
-  SPANTEX_INLINE static v16 products(v16 x, v16 y_even, v16 y_odd) {
-    const v8 even = _mm512_mul_epi32(x, y_even), odd = _mm512_mul_epi32(_mm512_srli_epi64(x, 32), y_odd);
-    return _mm512_mask_mov_epi32(_mm512_srli_epi64(even, 32), 0xAAAA, odd);
-  }
-
-  SPANTEX_INLINE v16 product(v16 x, int k) const {
-    const v16 by = set32(ratio[k]);
-    return _mm512_add_epi32(products(x, by, by), set32(from[k]));
-  }
-
-  SPANTEX_INLINE void begin_at(__m128i column, __m128i row) {
-    const __m128i subtexel = _mm_set1_epi32(q.subtexel_bits);
-    begin_four(from, column, _mm_add_epi32(four(drop), subtexel));
-    begin_four(from + quads, row, _mm_add_epi32(four(drop + quads), subtexel));
-  }
-
-  // As snapped_by() has them.
-  template <class C>
-  SPANTEX_INLINE v16 at(const C& c, v16 u, v16 v, int n) const {
-    const v16 x = _mm512_srlv_epi32(product(u, n), set32(drop[n])), y = _mm512_rorv_epi32(product(v, n + quads), set32(drop[n + quads] - 16));
-    return _mm512_mask_mov_epi16(y, __mmask32(c.even), x);
-  }
-};
