@@ -12,6 +12,8 @@ SPANTEX_INLINE v_64 rounded_shift(v_64 x, int shift) { return down_by(x + (uint6
 
 SPANTEX_INLINE v narrowed(const wide& x) { return v((x.first & 0xFFFFFFFF) | x.second << 32); }
 
+SPANTEX_INLINE v upper_halves(const wide& x) { return v((x.first >> 32) | (x.second & 0xFFFFFFFF00000000)); }
+
 // After a rounded shift by 32 or more.
 SPANTEX_INLINE v narrowed(const wide& x, int shift) {
   const uint64_t half = uint64_t(1) << (shift - 1);

@@ -14,6 +14,7 @@ SPANTEX_INLINE bool draw_span(const row_work& work, int32_t sx, span_mask mask, 
     p.base_u = modulo(c.base_u, levels.modulo_u()) * (1 << q.coordinate_bits);
     p.base_v = modulo(c.base_v, levels.modulo_v()) * (1 << q.coordinate_bits);
     if (!in_reach(levels, 0, reach_of(c), p)) return false;
+    p.within = !uses_footprint(Kind) && is_within(levels, reach_of(c), p);
   }
   if constexpr (Kind == filter::nearest) draw_nearest<MasksOnly>(work, sx, mask, p);
 #if SPANTEX_TABLES

@@ -16,6 +16,8 @@ SPANTEX_INLINE v_64 rounded_shift(v_64 x, int shift) { return v_64(vrshlq_u64(ui
 SPANTEX_INLINE v narrowed(const wide& x) { return v(vuzp1q_s32(int32x4_t(x.first), int32x4_t(x.second))); }
 SPANTEX_INLINE wide unsigned_products(const wide& x, v y) { return unsigned_products(narrowed(x), y); }  // of x below 2^32
 
+SPANTEX_INLINE v upper_halves(const wide& x) { return v(vuzp2q_s32(int32x4_t(x.first), int32x4_t(x.second))); }
+
 // After a rounded shift, of signed numbers.
 SPANTEX_INLINE v narrowed(const wide& x, int shift) {
   const int64x2_t down = vdupq_n_s64(-shift);

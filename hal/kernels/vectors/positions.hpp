@@ -8,6 +8,7 @@ struct alignas(64) span_positions {
   level_number level[span_pixel_count];
   int32_t base_u, base_v, origin_u, origin_v;  // origin: the base before it was taken modulo a map's period
   bool far;                                    // texels lie farther from the base than row_levels::near_limit()
+  bool within;                                 // no texel lies beyond the map: is_within(); of maps that are more than masks
 };
 
 // q of the series from the slope, lanes as slope_lanes() makes them.

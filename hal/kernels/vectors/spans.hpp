@@ -9,10 +9,11 @@ struct on_level {
   Shift cut;
   Shift down;                          // texels from y to y + 1
   v field[row_levels::field_count];
-  // Where sides do not halve exactly (on one level in all lanes): ((what span_positions has + its origin, s15.16) ratio) >> shift, to nearest, + add.
+  bool within = false;                 // texels need no wrapping: span_positions::within
+  // Where sides do not halve exactly (on one level in all lanes): (the upper half of ((what span_positions has + its origin, s15.16) ratio) + add) >> cut, 7 bits of fraction.
   bool scaled = false;
   v ratio_u, ratio_v;
-  int shift_u, shift_v;
+  int cut_u, cut_v;
   int doublings = 0;                   // row_levels::far_doublings() where texels lie farther than near_limit()
 };
 
@@ -20,33 +21,39 @@ constexpr int32_t cut_of(int level) { return q.coordinate_bits - q.subtexel_bits
 SPANTEX_INLINE int32_t add_of(int level) { return (1 << (cut_of(level) - 1)) - (1 << (q.coordinate_bits - 1 + level)); }
 
 // One axis of a level whose sides do not halve exactly. Whole periods before the base are left out.
-SPANTEX_INLINE void scale_axis(int32_t origin, uint32_t ratio, int32_t period, int level, v& ratios, int& shift, v& add) {
+SPANTEX_INLINE void scale_axis(int32_t origin, uint32_t ratio, int32_t period, int level, v& ratios, int& cut, v& add) {
   const bool exact = ratio >> 31 != 0;  // half of it then, so that it has a sign
   ratios = set(int32_t(exact ? ratio >> 1 : ratio));
-  shift = 16 + 31 - q.subtexel_bits + level - exact;
+  cut = 16 + 31 - q.subtexel_bits - 32 + level - exact;
   const int32_t texel = int32_t((int64_t(origin) * ratio) >> (q.coordinate_bits + 31 + level)), turned = period == 0 ? 0 : texel - modulo(texel, period);
-  add = set(-(1 << (q.subtexel_bits - 1)) - turned * (1 << q.subtexel_bits));
+  const uint32_t start = uint32_t(turned) << q.subtexel_bits | 1u << (q.subtexel_bits - 1);  // and half a texel
+  add = set(int32_t((1u << (cut - 1)) - (start << cut)));
 }
 
 [[gnu::noinline]] void scale_level(const row_levels& map, int level, const span_positions& p, on_level<int32_t>& l) {
   const uint32_t period = uint32_t(map.value(row_levels::period, level));
-  l.scaled = true;
-  scale_axis(p.origin_u, map.ratio_u(level), int32_t(period & 0xFFFF), level, l.ratio_u, l.shift_u, l.add_u);
-  scale_axis(p.origin_v, map.ratio_v(level), int32_t(period >> 16), level, l.ratio_v, l.shift_v, l.add_v);
+  scale_axis(p.origin_u, map.ratio_u(level), int32_t(period & 0xFFFF), level, l.ratio_u, l.cut_u, l.add_u);
+  scale_axis(p.origin_v, map.ratio_v(level), int32_t(period >> 16), level, l.ratio_v, l.cut_v, l.add_v);
 }
 
 template <bool MasksOnly>
-SPANTEX_INLINE on_level<int32_t> level_at_once(const row_levels& map, int level, const span_positions& p) {
-  on_level<int32_t> l;
+SPANTEX_INLINE void take_level(const row_levels& map, int level, const span_positions& p, on_level<int32_t>& l) {
   l.cut = cut_of(level);
   l.add_u = set(add_of(level) + p.base_u);
   l.add_v = set(add_of(level) + p.base_v);
   l.down = map.value(row_levels::step, level) >> 16;
   for (int k = 0; k < row_levels::field_count; ++k) l.field[k] = set(map.value(row_levels::field(k), level));
   if (!MasksOnly) {
-    if (p.far) l.doublings = map.far_doublings();
-    if (level >= map.exact_count()) [[unlikely]] scale_level(map, level, p, l);
+    l.within = p.within;
+    l.doublings = p.far ? map.far_doublings() : 0;
+    l.scaled = level >= map.exact_count();
+    if (l.scaled) [[unlikely]] scale_level(map, level, p, l);
   }
+}
+template <bool MasksOnly>
+SPANTEX_INLINE on_level<int32_t> level_at_once(const row_levels& map, int level, const span_positions& p) {
+  on_level<int32_t> l;
+  take_level<MasksOnly>(map, level, p, l);
   return l;
 }
 
@@ -81,6 +88,7 @@ template <bool MasksOnly, class Shift>
 SPANTEX_INLINE v wrapped_texel(v at, const on_level<Shift>& l) {
   const v kept = l.field[row_levels::mask];
   if constexpr (MasksOnly) return at & kept;
+  if (l.within) return at;
   const v turn = l.field[row_levels::period];
   const v two = add16(turn, turn);
   v four = add16(two, two);
@@ -132,8 +140,8 @@ SPANTEX_INLINE void place_lanes(const on_level<Shift>& l, v position_u, v positi
   v u = down_by(position_u + l.add_u, l.cut), w = down_by(position_v + l.add_v, l.cut);
   if constexpr (!MasksOnly && sizeof(Shift) == sizeof(int32_t)) {
     if (l.scaled) {
-      u = narrowed(signed_products(((position_u + p.origin_u) << rest_bits) + rest_u, l.ratio_u), l.shift_u) + l.add_u;
-      w = narrowed(signed_products(((position_v + p.origin_v) << rest_bits) + rest_v, l.ratio_v), l.shift_v) + l.add_v;
+      u = down_by(upper_halves(signed_products(((position_u + p.origin_u) << rest_bits) + rest_u, l.ratio_u)) + l.add_u, l.cut_u);
+      w = down_by(upper_halves(signed_products(((position_v + p.origin_v) << rest_bits) + rest_v, l.ratio_v)) + l.add_v, l.cut_v);
     }
   }
   put_places<MasksOnly>(l, u, w, out);
@@ -262,6 +270,13 @@ SPANTEX_INLINE void draw_bilinear(const row_work& work, int32_t sx, span_mask ma
               [&](int n) SPANTEX_INLINED { return pixels_of(blended(map, places[n % placed_groups], l.down)); });
 }
 
+// Whether the map holds every texel that lies up to `reach` texels of level 0 from the base: of any level, as one before the first and one after the last are in its apron.
+SPANTEX_INLINE bool is_within(const row_levels& map, int32_t reach, const span_positions& p) {
+  static_assert(row_apron > 1);
+  const int32_t u = p.base_u >> q.coordinate_bits, w = p.base_v >> q.coordinate_bits;
+  return u >= reach && w >= reach && u + reach < map.columns(0) && w + reach < map.rows(0);
+}
+
 // False where texels so far from the base are not wrapped on levels up to this one; else whether it takes more than the usual.
 SPANTEX_INLINE bool in_reach(const row_levels& map, int level, int32_t reach, span_positions& p) {
   p.far = reach > map.near_limit(level);
@@ -314,8 +329,8 @@ class pixels_on_levels {
   SPANTEX_INLINE void hold(int32_t level) {
     if (level == held_) return;
     held_ = level;
-    near_ = level_at_once<MasksOnly>(map_, level, positions_);
-    if (TwoLevels) far_ = level_at_once<MasksOnly>(map_, min_of(level + 1, last_), positions_);
+    take_level<MasksOnly>(map_, level, positions_, near_);  // in place: compilers copy what is returned
+    if (TwoLevels) take_level<MasksOnly>(map_, min_of(level + 1, last_), positions_, far_);
   }
   SPANTEX_INLINE const on_level<int32_t>& near() const { return near_; }
   SPANTEX_INLINE const on_level<int32_t>& far() const { return far_; }
@@ -347,7 +362,10 @@ class pixels_on_levels {
 template <bool MasksOnly, bool TwoLevels>
 SPANTEX_INLINE bool draw_by_level(const row_work& work, int32_t sx, span_mask mask, span_positions& p, const span_coefficients& c) {
   pixels_on_levels<MasksOnly, TwoLevels> pixels(work, p);
-  if (!MasksOnly && !in_reach(work.texels->levels_in_rows(), pixels.coarsest(), reach_of(c), p)) return false;
+  if constexpr (!MasksOnly) {
+    const row_levels& map = work.texels->levels_in_rows();
+    if (reach_of(c) > map.near_limit(work.last_level) && !in_reach(map, pixels.coarsest(), reach_of(c), p)) return false;  // limits of coarser levels are no larger
+  }
   draw_groups(work, sx, mask, [&](int n) SPANTEX_INLINED { pixels.place(n); }, [&](int n) SPANTEX_INLINED { return pixels.at(n); });
   return true;
 }
