@@ -116,6 +116,7 @@ GATES = [
     ("a vector kernel's far periods kept on levels that are no halves", "hal/kernels/vectors/spans.hpp", "uint32_t(turned) << q.subtexel_bits |", "0u * uint32_t(turned) |", "kernels", "levels_that*", KERNELS),
     ("vector kernels: texels beyond a map's end taken for held", "hal/kernels/vectors/spans.hpp", "u + reach < map.columns(0) && w + reach < map.rows(0)", "u < map.columns(0) && w < map.rows(0)", "kernels", "levels_that*", KERNELS),
     ("vector kernels: texels before a map's beginning taken for held", "hal/kernels/vectors/spans.hpp", "u >= reach && w >= reach", "u >= 0 && w >= 0", "kernels", "levels_that*", KERNELS),
+    ("vector kernels: periods kept where a mask would wrap them", "hal/kernels/vectors/spans.hpp", "period(map.modulo_u(), map.columns(level))", "int32_t(uint32_t(map.value(row_levels::period, level)) & 0xFFFF)", "kernels", "levels_that*", KERNELS),
     ("a vector kernel's lanes all on the first one's level", "hal/kernels/vectors/spans.hpp", "out = whole == set(level[k]) ? on(level[k]) : out;", "out = out;", "kernels", "levels_that*", KERNELS),
     ("a vector kernel's samples not counted", "hal/kernels/vectors/pixels.hpp", "if (!every_one) x &=", "if (!every_one) (void)", "kernels", "random_planes*", KERNELS),
     ("a vector kernel's second of two samples counted as the first", "hal/kernels/vectors/pixels.hpp", "y &= low_words(other_counted, k);", "y &= low_words(one_counted | other_counted, k);", "kernels", "random_planes*", KERNELS),

@@ -140,9 +140,9 @@ SPANTEX_CASE(positions_that_stand_still_while_w_does_not) {
   }
 }
 
-// Sides whose halves are rounded down: positions on their levels are products, of positions from the origin, however far.
+// Sides whose halves are rounded down, to powers of two too: positions on their levels are products, of positions from the origin, however far.
 SPANTEX_CASE(levels_that_do_not_halve_exactly) {
-  static constexpr int32_t sides[][2] = {{500, 375}, {640, 480}, {100, 37}, {7, 300}, {300, 250}, {96, 80}};
+  static constexpr int32_t sides[][2] = {{500, 375}, {640, 480}, {100, 37}, {7, 300}, {300, 250}, {96, 80}, {257, 129}, {1080, 512}};
   for (const auto& side : sides)
     for (const wrap w : wraps) {
       const ready_map map(random_map(side[0], side[1]), w);

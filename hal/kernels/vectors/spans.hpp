@@ -31,9 +31,9 @@ SPANTEX_INLINE void scale_axis(int32_t origin, uint32_t ratio, int32_t period, i
 }
 
 [[gnu::noinline]] void scale_level(const row_levels& map, int level, const span_positions& p, on_level<int32_t>& l) {
-  const uint32_t period = uint32_t(map.value(row_levels::period, level));
-  scale_axis(p.origin_u, map.ratio_u(level), int32_t(period & 0xFFFF), level, l.ratio_u, l.cut_u, l.add_u);
-  scale_axis(p.origin_v, map.ratio_v(level), int32_t(period >> 16), level, l.ratio_v, l.cut_v, l.add_v);
+  const auto period = [](int32_t modulo, int32_t length) SPANTEX_INLINED { return modulo == 0 ? 0 : length; };  // of axes whose bases are reduced, whether a mask would do on this level or not
+  scale_axis(p.origin_u, map.ratio_u(level), period(map.modulo_u(), map.columns(level)), level, l.ratio_u, l.cut_u, l.add_u);
+  scale_axis(p.origin_v, map.ratio_v(level), period(map.modulo_v(), map.rows(level)), level, l.ratio_v, l.cut_v, l.add_v);
 }
 
 template <bool MasksOnly>
@@ -43,7 +43,7 @@ SPANTEX_INLINE void take_level(const row_levels& map, int level, const span_posi
   l.add_v = set(add_of(level) + p.base_v);
   l.down = map.value(row_levels::step, level) >> 16;
   for (int k = 0; k < row_levels::field_count; ++k) l.field[k] = set(map.value(row_levels::field(k), level));
-  if (!MasksOnly) {
+  if constexpr (!MasksOnly) {
     l.within = p.within;
     l.doublings = p.far ? map.far_doublings() : 0;
     l.scaled = level >= map.exact_count();
