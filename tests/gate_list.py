@@ -113,7 +113,7 @@ GATES = [
     ("NEON's twist the wrong way", "hal/kernels/vectors/neon.hpp", "twist = vsub_s32", "twist = vadd_s32", "scripts", "kernel_identity", []),
     ("a vector kernel's far texels wrapped within four periods", "hal/kernels/vectors/spans.hpp", "if (l.doublings > 0)", "if (l.doublings > 99)", "kernels", "random_planes*", KERNELS),
     ("a vector kernel's ratios of positions cut to 14 bits", "hal/kernels/vectors/spans.hpp", "<< rest_bits) + rest_u", "<< rest_bits)", "kernels", "random_planes*", KERNELS),
-    ("a vector kernel's far periods kept on levels that are no halves", "hal/kernels/vectors/spans.hpp", "uint32_t(turned) << q.subtexel_bits |", "0u * uint32_t(turned) |", "kernels", "levels_that*", KERNELS),
+    ("a vector kernel's far periods kept on levels that are no halves", "hal/kernels/vectors/spans.hpp", "turned * (1 << q.subtexel_bits) + ", "0 * turned + ", "kernels", "levels_that*", KERNELS),
     ("vector kernels: texels beyond a map's end taken for held", "hal/kernels/vectors/spans.hpp", "u + reach < map.columns(0) && w + reach < map.rows(0)", "u < map.columns(0) && w < map.rows(0)", "kernels", "levels_that*", KERNELS),
     ("vector kernels: texels before a map's beginning taken for held", "hal/kernels/vectors/spans.hpp", "u >= reach && w >= reach", "u >= 0 && w >= 0", "kernels", "levels_that*", KERNELS),
     ("vector kernels: periods kept where a mask would wrap them", "hal/kernels/vectors/spans.hpp", "period(map.modulo_u(), map.columns(level))", "int32_t(uint32_t(map.value(row_levels::period, level)) & 0xFFFF)", "kernels", "levels_that*", KERNELS),

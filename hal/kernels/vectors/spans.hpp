@@ -26,8 +26,8 @@ SPANTEX_INLINE void scale_axis(int32_t origin, uint32_t ratio, int32_t period, i
   ratios = set(int32_t(exact ? ratio >> 1 : ratio));
   cut = 16 + 31 - q.subtexel_bits - 32 + level - exact;
   const int32_t texel = int32_t((int64_t(origin) * ratio) >> (q.coordinate_bits + 31 + level)), turned = period == 0 ? 0 : texel - modulo(texel, period);
-  const uint32_t start = uint32_t(turned) << q.subtexel_bits | 1u << (q.subtexel_bits - 1);  // and half a texel
-  add = set(int32_t((1u << (cut - 1)) - (start << cut)));
+  const int32_t start = turned * (1 << q.subtexel_bits) + (1 << (q.subtexel_bits - 1));  // and half a texel
+  add = set((1 << (cut - 1)) - start * (1 << cut));
 }
 
 [[gnu::noinline]] void scale_level(const row_levels& map, int level, const span_positions& p, on_level<int32_t>& l) {
