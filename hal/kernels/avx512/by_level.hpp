@@ -333,6 +333,19 @@ SPANTEX_INLINE bool blend_span(const row_work& work, const batch& b, int k, cons
   return s.one_level ? by_width.template operator()<taken::one>() : by_width.template operator()<taken::all>();
 }
 
+// blended, of what span k takes, and of how its fine sections lie.
+template <bool TwoLevels>
+SPANTEX_INLINE void by_places(const auto& p, int k, bool alone, auto&& blended) {
+  const bool deep = p.deep >> k & 1, broad = p.broad >> k & 1;
+  const auto by_width = [&]<taken Levels>() SPANTEX_INLINED {
+    if (deep) broad ? blended.template operator()<Levels, held_in::full>() : blended.template operator()<Levels, held_in::narrow>();
+    else broad ? blended.template operator()<Levels, held_in::broad>() : blended.template operator()<Levels, held_in::shallow>();
+  };
+  if constexpr (TwoLevels)
+    if (!alone) return by_width.template operator()<taken::all>();
+  by_width.template operator()<taken::one>();
+}
+
 template <bool TwoLevels, int Channels, taken Levels, held_in Fine, bool Deep>
 SPANTEX_INLINE void blend_placed(const row_work& work, const batch& b, int k, const span_pixels& pixels, const batch_places& p) {
   blend_span<quad_blender<TwoLevels, Levels, Channels, Fine>>(work, b, k, placed_span<Deep>{&pixels, p, k});
@@ -355,30 +368,16 @@ template <bool TwoLevels, int Channels>
 SPANTEX_INLINE void blend_placed(const row_work& work, const batch& b, int k, bool alone, bool crossing, span_pixels& pixels, const batch_places& p) {
   if (p.excess[k] > 0) [[unlikely]] drop_bits(p.excess[k], pixels.u, pixels.v);
   if (crossing || (p.coarse_deep >> k & 1)) [[unlikely]] return blend_rare<TwoLevels, Channels>(work, b, k, crossing, pixels, p);
-  const bool deep = p.deep >> k & 1, broad = p.broad >> k & 1;
-  const auto blended = [&]<taken Levels, held_in Fine>() SPANTEX_INLINED { blend_placed<TwoLevels, Channels, Levels, Fine, false>(work, b, k, pixels, p); };
-  const auto by_width = [&]<taken Levels>() SPANTEX_INLINED {
-    if (deep) broad ? blended.template operator()<Levels, held_in::full>() : blended.template operator()<Levels, held_in::narrow>();
-    else broad ? blended.template operator()<Levels, held_in::broad>() : blended.template operator()<Levels, held_in::shallow>();
-  };
-  if constexpr (TwoLevels)
-    if (!alone) return by_width.template operator()<taken::all>();
-  by_width.template operator()<taken::one>();
+  by_places<TwoLevels>(p, k, alone, [&]<taken Levels, held_in Fine>() SPANTEX_INLINED { blend_placed<TwoLevels, Channels, Levels, Fine, false>(work, b, k, pixels, p); });
 }
 
 // On levels whose sides do not halve exactly.
 template <bool TwoLevels, int Channels>
 [[gnu::noinline]] void blend_scaled(const row_work& work, const batch& b, int k, bool alone, span_pixels& pixels, const scaled_places& p) {
   count_from_origin(b, k, pixels);
-  const auto blended = [&]<taken Levels, held_in Fine>() SPANTEX_INLINED { blend_span<quad_blender<TwoLevels, Levels, Channels, Fine>>(work, b, k, placed_scaled_span{&pixels, p, k}); };
-  const bool deep = p.deep >> k & 1, broad = p.broad >> k & 1;
-  const auto by_width = [&]<taken Levels>() SPANTEX_INLINED {
-    if (deep) broad ? blended.template operator()<Levels, held_in::full>() : blended.template operator()<Levels, held_in::narrow>();
-    else broad ? blended.template operator()<Levels, held_in::broad>() : blended.template operator()<Levels, held_in::shallow>();
-  };
-  if constexpr (TwoLevels)
-    if (!alone) return by_width.template operator()<taken::all>();
-  by_width.template operator()<taken::one>();
+  by_places<TwoLevels>(p, k, alone, [&]<taken Levels, held_in Fine>() SPANTEX_INLINED {
+    blend_span<quad_blender<TwoLevels, Levels, Channels, Fine>>(work, b, k, placed_scaled_span{&pixels, p, k});
+  });
 }
 template <bool TwoLevels, int Channels>
 [[gnu::noinline]] bool draw_at_scaled_levels(const row_work& work, const batch& b, int k, level_span& s) {

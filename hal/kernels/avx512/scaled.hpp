@@ -26,16 +26,21 @@ struct level_scale {
   SPANTEX_INLINE v16 rounding_from() const { return _mm512_add_epi32(from, _mm512_sllv_epi32(of32<1>(), _mm512_sub_epi32(drop, of32<1>()))); }
 };
 
+// Positions as snapped_by() has them: products with ratios, what is added to their upper halves, what is dropped of u, how far v is rotated.
+template <class C>
+SPANTEX_INLINE v16 scaled_by(const C& c, v16 u, v16 v, int32_t ratio_u, int32_t ratio_v, int32_t from_u, int32_t from_v, int32_t drop, int32_t turn) {
+  const auto product = [](v16 x, int32_t ratio, int32_t from) SPANTEX_INLINED {
+    const v16 by = set32(ratio);
+    return _mm512_add_epi32(upper_products(x, by, by), set32(from));
+  };
+  return _mm512_mask_mov_epi16(_mm512_rorv_epi32(product(v, ratio_v, from_v), set32(turn)), __mmask32(c.even), _mm512_srlv_epi32(product(u, ratio_u, from_u), set32(drop)));
+}
+
 // A level whose sides do not halve exactly: positions on it are products of positions from the origin, s15.16, with the ratio of its sides to level 0's.
 // Lanes and numbers are of the quads' u, then of their v.
 struct alignas(32) scaling {
   static_assert(2 * quads == batch_size, "put() stores as many");
   int32_t ratio[2 * quads], from[2 * quads], drop[2 * quads];
-
-  SPANTEX_INLINE v16 product(v16 x, int k) const {
-    const v16 by = set32(ratio[k]);
-    return _mm512_add_epi32(upper_products(x, by, by), set32(from[k]));
-  }
 
   SPANTEX_INLINE void begin_at(__m128i column, __m128i row) {
     const __m128i subtexel = _mm_set1_epi32(q.subtexel_bits);
@@ -43,11 +48,9 @@ struct alignas(32) scaling {
     begin_four(from + quads, row, _mm_add_epi32(four(drop + quads), subtexel));
   }
 
-  // As snapped_by() has them.
   template <class C>
   SPANTEX_INLINE v16 at(const C& c, v16 u, v16 v, int n) const {
-    const v16 x = _mm512_srlv_epi32(product(u, n), set32(drop[n])), y = _mm512_rorv_epi32(product(v, n + quads), set32(drop[n + quads] - 16));
-    return _mm512_mask_mov_epi16(y, __mmask32(c.even), x);
+    return scaled_by(c, u, v, ratio[n], ratio[n + quads], from[n], from[n + quads], drop[n], drop[n + quads] - 16);
   }
 };
 
@@ -55,17 +58,11 @@ struct alignas(32) scaling {
 struct scaled_places {
   struct scaled_level {
     batch_sections sections;
-    alignas(64) int32_t ratio[2][batch_size], drop[2][batch_size], from[quads][2][batch_size];  // of u, then of v; v is rotated, not shifted
+    alignas(64) int32_t ratio[2][batch_size], drop[2][batch_size], from[quads][2][batch_size];  // of u, then of v, which is rotated; positions have coordinate_bits
 
-    // As scaling's; positions have coordinate_bits.
     template <class C>
     SPANTEX_INLINE v16 at(const C& c, v16 u, v16 v, int k, int n) const {
-      const auto product = [&](v16 x, int axis) SPANTEX_INLINED {
-        const v16 by = set32(ratio[axis][k]);
-        return _mm512_add_epi32(upper_products(x, by, by), set32(from[n][axis][k]));
-      };
-      const v16 x = _mm512_srlv_epi32(product(u, 0), set32(drop[0][k])), y = _mm512_rorv_epi32(product(v, 1), set32(drop[1][k]));
-      return _mm512_mask_mov_epi16(y, __mmask32(c.even), x);
+      return scaled_by(c, u, v, ratio[0][k], ratio[1][k], from[n][0][k], from[n][1][k], drop[0][k], drop[1][k]);
     }
   };
   scaled_level on[2];  // the fine one, the coarse one
@@ -84,7 +81,7 @@ SPANTEX_INLINE void count_from_origin(const batch& b, int k, span_pixels& p) {
   }
 }
 
-// As place_spans(), of spans `some` whose pixels are on one whole level each, with eight rows at most of the coarse one; what is not is seldom, and no faster here.
+// As place_spans(), of spans `some` whose pixels are on one whole level each, with eight rows at most of the coarse one. Others are seldom; those on two whole levels are no faster here.
 template <bool TwoLevels>
 [[gnu::noinline]] SPANTEX_WRAPS void place_scaled_spans(const row_work& work, const batch& b, uint32_t some, uint32_t alone, __m256i fine, scaled_places& p) {
   some &= _mm256_cmple_epi32_mask(got(b.slope_log2), _mm256_set1_epi32(-2));  // plan_bounds()
