@@ -75,7 +75,7 @@ class thread_team {
     if (error) std::rethrow_exception(error);
   }
 
-  // The processor is offered to whoever needs it more now and then: that takes a microsecond, looking nanoseconds.
+  // The processor is offered to whoever needs it more now and then: that takes half a microsecond, looking tens of nanoseconds.
   static constexpr int looks_between_yields = 50;
   static void look_again() {
 #if defined(__x86_64__)
