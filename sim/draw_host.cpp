@@ -54,20 +54,30 @@ bool planned_as_a_whole(const scene& s, const draw_options& o) {
   return has_kernel(s, o) && std::all_of(s.items.begin(), s.items.end(), [&](const drawable& item) { return !item.is_polygon && kernels::upright_plane::plans(item.shape.map, o.kind); });
 }
 
-// A simulated machine a thread; the direct engine takes shorter bands where some rows, as those near a horizon, cost more than others.
-int count_bands(const scene& s, const draw_options& o) {
-  constexpr int bands_a_thread = 16, least_rows = 4;  // of spans, of bands that plan their columns, each again
-  if (o.sink != nullptr) return 1;
-  if (o.engine != engine_choice::direct || o.threads == 1) return o.threads;
-  return planned_as_a_whole(s, o) ? std::min(o.threads, span_rows(s) / least_rows) : bands_a_thread * o.threads;
-}
-
-std::vector<band> make_bands(const scene& s, const draw_options& o) {
-  const int height = s.size.height_px, rows = span_rows(s), count = std::clamp(count_bands(s, o), 1, rows);
+// Bands of the picture, and each thread's first one.
+struct band_shares {
   std::vector<band> bands;
-  for (int k = 0; k < count; ++k)
-    bands.push_back({rows * k / count * span_side, std::min(height, rows * (k + 1) / count * span_side)});
-  return bands;
+  std::vector<int> starts;
+};
+
+// A simulated machine a thread. The direct engine takes shorter and shorter bands, a third of what its thread has left each, since some rows, as those near a horizon, cost more
+// than others and a thread that is done helps the others; a band costs as much besides as some ten spans.
+band_shares make_bands(const scene& s, const draw_options& o) {
+  constexpr int least_rows = 4;  // of spans, of bands that plan their columns, each again
+  const bool planned = planned_as_a_whole(s, o), whole = planned || o.engine != engine_choice::direct || o.threads == 1;
+  const int height = s.size.height_px, rows = span_rows(s), most = planned ? rows / least_rows : rows;
+  const int shares = std::clamp(o.sink != nullptr ? 1 : o.threads, 1, std::max(1, most));
+  band_shares made;
+  for (int k = 0; k < shares; ++k) {
+    made.starts.push_back(int(made.bands.size()));
+    const int end = rows * (k + 1) / shares;
+    for (int first = rows * k / shares, next; first < end; first = next) {
+      next = whole ? end : first + std::max(1, (end - first) / 3);
+      made.bands.push_back({first * span_side, std::min(height, next * span_side)});
+    }
+  }
+  made.starts.push_back(int(made.bands.size()));
+  return made;
 }
 
 struct target {
@@ -276,13 +286,14 @@ void add(counters& sum, const counters& c) {
 }
 
 // One repetition; the time of drawing alone.
-double draw_once(const scene& s, const draw_options& o, const prepared& ready, const std::vector<uint8_t>& kept, const std::vector<band>& bands, thread_team& team,
+double draw_once(const scene& s, const draw_options& o, const prepared& ready, const std::vector<uint8_t>& kept, const band_shares& shares, thread_team& team,
                  draw_result& result, frame_depths& depth) {
+  const std::vector<band>& bands = shares.bands;
   std::vector<band_counts> counts(bands.size());
   const target out{result.picture, depth, ready, kept};
-  team.run_by_shares(int(bands.size()), [&](int k) { clear(out, bands[size_t(k)], o.background); });
+  team.run_by_shares(shares.starts, [&](int k) { clear(out, bands[size_t(k)], o.background); });
   const auto begun = std::chrono::steady_clock::now();
-  team.run_by_shares(int(bands.size()), [&](int k) {
+  team.run_by_shares(shares.starts, [&](int k) {
     const status done = draw_band_by_profile(s, o, bands[size_t(k)], out, counts[size_t(k)]);
     if (done != status::ok) throw input_error(s.name + ": " + to_string(done));
   });
@@ -380,8 +391,8 @@ draw_result draw(const scene& all, const draw_options& options, frame_before* be
     depth = before->depth();
   }
   const double ns_to_compare = std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now() - begun).count();
-  const std::vector<band> bands = make_bands(s, options);
-  thread_team team(std::min(options.threads, int(bands.size())));
+  const band_shares bands = make_bands(s, options);
+  thread_team team(int(bands.starts.size()) - 1);
   const prepared ready = prepare(s, options);
   if (ready.kernel != nullptr) result.kernel = name_of(kernel_names, kernels::resolved(options.kernel));
   std::vector<double> times;
@@ -409,7 +420,7 @@ int draw_parts(const scene& all, const draw_options& options) {
   if (options.space == sampling_space::object) return 0;
   scene kept_items;
   const scene& s = without_culled(all, options.culled, kept_items);
-  const int bands = int(make_bands(s, options).size()), rows = span_rows(s);
+  const int bands = int(make_bands(s, options).bands.size()), rows = span_rows(s);
   int parts = 0;
   for (const drawable& item : s.items) parts += item.is_polygon ? bands : rows;
   return parts * std::max(1, options.repeat);

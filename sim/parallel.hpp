@@ -23,7 +23,7 @@ using progress_callback = std::function<void(int parts_done)>;
 // they look out for work for a while before they sleep.
 class thread_team {
  public:
-  explicit thread_team(int threads) {
+  explicit thread_team(int threads) : shares_(size_t(std::max(1, threads))) {
     try {
       for (int k = 1; k < threads; ++k) others_.emplace_back([this, k] { serve(k); });
     } catch (...) {
@@ -36,31 +36,38 @@ class thread_team {
 
   // Calls work(k) for k in [0, count), each once, in this order; the first exception is thrown again here.
   template <class Work>
-  void run(int count, Work work) { run_from(count, [](int) { return 0; }, work); }
+  void run(int count, Work work) { run_shares({0, count}, work); }
 
-  // The same, but a thread begins with a share of its own, the same one each time, since what it wrote there last may still lie in its processor's cache, and goes on
-  // with the others' then.
+  // The same for k in [starts.front(), starts.back()), but a thread begins with a share of its own, from starts[thread] to the next, the same one each time, since what it
+  // wrote there last may still lie in its processor's cache, and goes on with the others' then.
   template <class Work>
-  void run_by_shares(int count, Work work) {
-    run_from(count, [&](int thread) { return int(int64_t(thread) * count / int64_t(others_.size() + 1)); }, work);
-  }
+  void run_by_shares(const std::vector<int>& starts, Work work) { run_shares(starts, work); }
 
  private:
   static constexpr int last_round = -1;
   static constexpr std::chrono::microseconds looking_out{2000};
 
-  // first_of: where a thread begins to look for work that nobody has taken.
-  template <class First, class Work>
-  void run_from(int count, First first_of, Work& work) {
-    std::vector<std::atomic<bool>> taken(size_t(std::max(0, count)));
+  // What is left of a share: in a line of the caches of its own, since others ask only once they have nothing left themselves.
+  struct alignas(64) share {
+    std::atomic<int> next{0};
+    int end = 0;
+  };
+
+  template <class Work>
+  void run_shares(const std::vector<int>& starts, Work& work) {
+    for (size_t k = 0; k < shares_.size(); ++k) {
+      shares_[k].next = starts[std::min(k, starts.size() - 1)];
+      shares_[k].end = starts[std::min(k + 1, starts.size() - 1)];
+    }
     std::atomic<bool> failed{false};
     std::exception_ptr error;
     std::mutex lock;
-    share_ = [&](int thread) {
+    work_ = [&](int thread) {
       try {
-        const size_t first = size_t(first_of(thread));
-        for (size_t n = 0; n < taken.size() && !failed; ++n)
-          if (const size_t k = (first + n) % taken.size(); !taken[k] && !taken[k].exchange(true)) work(int(k));
+        for (size_t n = 0; n < shares_.size(); ++n) {
+          share& from = shares_[(size_t(thread) + n) % shares_.size()];
+          for (int k; !failed && (k = from.next++) < from.end;) work(k);
+        }
       } catch (...) {
         const std::lock_guard guard(lock);
         if (!error) error = std::current_exception();
@@ -70,7 +77,7 @@ class thread_team {
     working_ = int(others_.size());
     ++round_;
     round_.notify_all();
-    share_(0);
+    work_(0);
     for (int n = working_; n != 0; n = working_) wait_for_change(working_, n);
     if (error) std::rethrow_exception(error);
   }
@@ -105,12 +112,13 @@ class thread_team {
       wait_for_change(round_, seen);
       seen = round_;
       if (seen == last_round) return;
-      share_(thread);
+      work_(thread);
       if (--working_ == 0) working_.notify_one();
     }
   }
 
-  std::function<void(int thread)> share_;
+  std::vector<share> shares_;  // a thread's each
+  std::function<void(int thread)> work_;
   std::atomic<int> round_{0}, working_{0};
   std::vector<std::jthread> others_;  // last: they end first
 };
