@@ -99,14 +99,14 @@ json to_json(const growth_curve& c) {
 }
 
 json to_json(const bench_machine& m) {
-  return {{"processor", m.processor}, {"processors", m.processors}, {"measured_on", m.measured_on}, {"load", m.load}, {"system", m.system}, {"date", m.date},
+  return {{"processor", m.processor}, {"processors", m.processors}, {"load", m.load}, {"system", m.system}, {"date", m.date},
           {"compiler", m.compiler}, {"flags", m.flags}, {"commit", m.commit}, {"threads", 1}};
 }
 
 void print_heading(const bench_machine& m, const bench_options& o, const peer_list& peers) {
   printf("%s, %d processors, load %.1f before, %s, %s\n", m.processor.c_str(), m.processors, m.load, m.system.c_str(), m.date.c_str());
   printf("commit %s, %s\n", m.commit.c_str(), build_text(m).c_str());
-  printf("one thread for everybody, on processor %d, %s pixels, at most %d turns each, medians, quartiles and least of ns a pixel\n", m.measured_on, o.size.c_str(), o.rounds);
+  printf("one thread for everybody, %s pixels, at most %d turns each, medians, quartiles and least of ns a pixel\n", o.size.c_str(), o.rounds);
   if (o.samples) printf("ours by aniso: at most %d samples a pixel\n", *o.samples);
   for (const auto& p : peers) printf("peer %s: %s\n", p->name(), p->version());
   printf("\n%-8s %-12s %-9s %-8s %-14s %8s %17s %8s %7s %6s %8s %7s %7s\n", "scene", "filter", "drawer", "profile", "kernel", "ns", "quartiles", "least", "rms",

@@ -3,7 +3,6 @@
 
 #include <math.h>
 
-#include "bench_machine.hpp"
 #include "bench_scenes.hpp"
 
 namespace spantex::tool {
@@ -91,7 +90,6 @@ growth_curve measure(const std::vector<subject>& subjects, const curve_plan& pla
 std::vector<growth_curve> measure_growth(int rounds, const std::function<void()>& curve_done) {
   using enum kernels::choice;
   std::vector<growth_curve> curves;
-  const on_one_processor here;
   const auto add = [&](const std::vector<subject>& subjects, const curve_plan& plan) {
     curves.push_back(measure(subjects, plan, rounds));
     curve_done();

@@ -36,29 +36,7 @@ std::string compiler_name() {
 #endif
 }
 
-int first_of(const cpu_set_t& processors) {
-  for (int k = 0; k < CPU_SETSIZE; ++k)
-    if (CPU_ISSET(k, &processors)) return k;
-  return 0;
-}
-
-cpu_set_t usable_processors() {
-  cpu_set_t usable;
-  CPU_ZERO(&usable);
-  if (sched_getaffinity(0, sizeof usable, &usable) != 0) CPU_SET(0, &usable);
-  return usable;
-}
-
 }  // namespace
-
-on_one_processor::on_one_processor() : before_(usable_processors()) {
-  cpu_set_t one;
-  CPU_ZERO(&one);
-  CPU_SET(first_of(before_), &one);
-  sched_setaffinity(0, sizeof one, &one);
-}
-
-on_one_processor::~on_one_processor() { sched_setaffinity(0, sizeof before_, &before_); }
 
 bench_machine this_machine() {
   utsname name{};
@@ -70,7 +48,7 @@ bench_machine this_machine() {
   strftime(date, sizeof date, "%Y-%m-%d %H:%M UTC", &utc);
   double load = 0;
   getloadavg(&load, 1);
-  return {processor_name(), std::string(name.sysname) + " " + name.release + " " + name.machine, date, sim::hardware_threads(), first_of(usable_processors()), load,
+  return {processor_name(), std::string(name.sysname) + " " + name.release + " " + name.machine, date, sim::hardware_threads(), load,
           compiler_name(), SPANTEX_FLAGS, SPANTEX_COMMIT};
 }
 

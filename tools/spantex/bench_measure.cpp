@@ -9,7 +9,6 @@
 #include <utility>
 
 #include <sim/quality.hpp>
-#include "bench_machine.hpp"
 
 namespace spantex::tool {
 namespace {
@@ -186,11 +185,8 @@ std::vector<bench_row> measure_scene(const sim::scene& s, const bench_choice& ch
   std::vector<bench_row> rows;
   for (const filter kind : choice.filters) {
     contest all = contestants(s, kind, choice, peers);
-    {
-      const on_one_processor here;
-      warm_up(all);
-      for (int round = 0; round < choice.rounds; ++round) all.each([](contestant& c) { c.take_turn(); });
-    }
+    warm_up(all);
+    for (int round = 0; round < choice.rounds; ++round) all.each([](contestant& c) { c.take_turn(); });
     for (bench_row& row : rows_of(all, s, kind, reference)) rows.push_back(std::move(row));
     step();
   }
