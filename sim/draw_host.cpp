@@ -60,19 +60,20 @@ struct band_shares {
   std::vector<int> starts;
 };
 
-// A simulated machine a thread. The direct engine takes shorter and shorter bands, a third of what its thread has left each, since some rows, as those near a horizon, cost more
-// than others and a thread that is done helps the others; a band costs as much besides as some ten spans.
+// A simulated machine a thread. The direct engine takes shorter and shorter bands, each a third of what its thread has left and a sixth of its share at most, since some rows, as
+// those near a horizon, cost more than others and a thread that is done helps the others; a band costs as much besides as some ten spans.
 band_shares make_bands(const scene& s, const draw_options& o) {
   constexpr int least_rows = 4;  // of spans, of bands that plan their columns, each again
-  const bool planned = planned_as_a_whole(s, o), whole = planned || o.engine != engine_choice::direct || o.threads == 1;
+  const bool planned = planned_as_a_whole(s, o);
   const int height = s.size.height_px, rows = span_rows(s), most = planned ? rows / least_rows : rows;
   const int shares = std::clamp(o.sink != nullptr ? 1 : o.threads, 1, std::max(1, most));
+  const bool whole = shares == 1 || planned || o.engine != engine_choice::direct;
   band_shares made;
   for (int k = 0; k < shares; ++k) {
     made.starts.push_back(int(made.bands.size()));
-    const int end = rows * (k + 1) / shares;
-    for (int first = rows * k / shares, next; first < end; first = next) {
-      next = whole ? end : first + std::max(1, (end - first) / 3);
+    const int begin = rows * k / shares, end = rows * (k + 1) / shares;
+    for (int first = begin, next; first < end; first = next) {
+      next = whole ? end : first + std::max(1, std::min((end - first) / 3, (end - begin) / 6));
       made.bands.push_back({first * span_side, std::min(height, next * span_side)});
     }
   }
