@@ -54,7 +54,7 @@ bool planned_as_a_whole(const scene& s, const draw_options& o) {
   return has_kernel(s, o) && std::all_of(s.items.begin(), s.items.end(), [&](const drawable& item) { return !item.is_polygon && kernels::upright_plane::plans(item.shape.map, o.kind); });
 }
 
-// Bands of the picture, and each thread's first one.
+// Bands of the picture; each thread's first one, and the end.
 struct band_shares {
   std::vector<band> bands;
   std::vector<int> starts;
@@ -392,19 +392,19 @@ draw_result draw(const scene& all, const draw_options& options, frame_before* be
     depth = before->depth();
   }
   const double ns_to_compare = std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now() - begun).count();
-  const band_shares bands = make_bands(s, options);
-  thread_team team(int(bands.starts.size()) - 1);
+  const band_shares shares = make_bands(s, options);
+  thread_team team(int(shares.starts.size()) - 1);
   const prepared ready = prepare(s, options);
   if (ready.kernel != nullptr) result.kernel = name_of(kernel_names, kernels::resolved(options.kernel));
   std::vector<double> times;
   for (int k = 0; k < std::max(1, options.repeat); ++k)
     times.push_back(options.space == sampling_space::object ? draw_in_object_space(s, options, result)
-                                                            : ns_to_compare + draw_once(s, options, ready, kept, bands, team, result, depth));
+                                                            : ns_to_compare + draw_once(s, options, ready, kept, shares, team, result, depth));
   if (ready.kernel != nullptr && options.counted) {
     const image by_kernel = result.picture;
     draw_options quiet = options;
     quiet.parts_done = nullptr;
-    draw_once(s, quiet, {}, kept, bands, team, result, depth);
+    draw_once(s, quiet, {}, kept, shares, team, result, depth);
     if (by_kernel.pixels != result.picture.pixels) throw std::logic_error(s.name + ": kernel and engine differ");
   }
   std::nth_element(times.begin(), times.begin() + std::ptrdiff_t(times.size() / 2), times.end());

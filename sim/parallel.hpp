@@ -36,25 +36,12 @@ class thread_team {
 
   // Calls work(k) for k in [0, count), each once, in this order; the first exception is thrown again here.
   template <class Work>
-  void run(int count, Work work) { run_shares({0, count}, work); }
+  void run(int count, Work work) { run_by_shares({0, count}, work); }
 
   // The same for k in [starts.front(), starts.back()), but a thread begins with a share of its own, from starts[thread] to the next, the same one each time, since what it
-  // wrote there last may still lie in its processor's cache, and goes on with the others' then.
+  // wrote there last may still lie in its processor's cache, and goes on with the others' then. No more shares than threads.
   template <class Work>
-  void run_by_shares(const std::vector<int>& starts, Work work) { run_shares(starts, work); }
-
- private:
-  static constexpr int last_round = -1;
-  static constexpr std::chrono::microseconds looking_out{2000};
-
-  // What is left of a share: in a line of the caches of its own, since others ask only once they have nothing left themselves.
-  struct alignas(64) share {
-    std::atomic<int> next{0};
-    int end = 0;
-  };
-
-  template <class Work>
-  void run_shares(const std::vector<int>& starts, Work& work) {
+  void run_by_shares(const std::vector<int>& starts, Work work) {
     for (size_t k = 0; k < shares_.size(); ++k) {
       shares_[k].next = starts[std::min(k, starts.size() - 1)];
       shares_[k].end = starts[std::min(k + 1, starts.size() - 1)];
@@ -81,6 +68,16 @@ class thread_team {
     for (int n = working_; n != 0; n = working_) wait_for_change(working_, n);
     if (error) std::rethrow_exception(error);
   }
+
+ private:
+  static constexpr int last_round = -1;
+  static constexpr std::chrono::microseconds looking_out{2000};
+
+  // What is left of a share: in a line of the caches of its own, since others ask only once they have nothing left themselves.
+  struct alignas(64) share {
+    std::atomic<int> next{0};
+    int end = 0;
+  };
 
   // The processor is offered to whoever needs it more now and then: that takes half a microsecond, looking tens of nanoseconds.
   static constexpr int looks_between_yields = 50;

@@ -43,7 +43,7 @@ SPANTEX_CASE(bands_are_as_high_as_they_are_planned) {
 // As many parts are told as were announced, whatever is left out.
 SPANTEX_CASE(parts_add_up) {
   scene_request r;
-  r.size = {67, 45};
+  r.size = {67, 197};
   const scene cubes = make_named_scene("fig8", r), plane = make_named_scene("tilted", r);
   for (const scene* s : {&cubes, &plane})
     for (const cull culled : {cull::none, cull::clockwise, cull::counterclockwise})
@@ -65,7 +65,7 @@ SPANTEX_CASE(parts_add_up) {
 // Every band is cleared, its depths too: nothing of the picture before is left.
 SPANTEX_CASE(drawn_again_is_the_same) {
   scene_request r;
-  r.size = {67, 45};
+  r.size = {67, 197};
   const scene s = make_named_scene("fig8", r);
   for (const alpha_mode alpha : {alpha_mode::opaque, alpha_mode::blended})
     for (const int threads : {1, 2, 3}) {
