@@ -502,7 +502,7 @@ GATES = [
 # Where the processor has what the kernel takes.
 if "avx512_vbmi2" in pathlib.Path("/proc/cpuinfo").read_text():
     GATES += [
-        ("AVX-512: levels that are no halves taken for such", "hal/kernels/avx512/levels.hpp", "set32(last)) != 0;", "set32(last)) > 0xFFFF;", "kernels", "levels_that*", KERNELS),
+        ("AVX-512: levels that are no halves taken for such", "hal/kernels/avx512/levels.hpp", "set32(last_like_level<TwoLevels>(map))) != 0;", "set32(last_like_level<TwoLevels>(map))) > 0xFFFF;", "kernels", "levels_that*", KERNELS),
         ("AVX-512: the last level that is a half taken for the next", "hal/kernels/avx512/levels.hpp", "exact_count() - 1) * (1", "exact_count() - 0) * (1", "kernels", "levels_that*", KERNELS),
         ("AVX-512: axes that do halve exactly scaled twice", "hal/kernels/avx512/scaled.hpp", "_mm512_cmpeq_epi32_mask(ratio, of32<1 << 30>())", "_mm512_cmpneq_epi32_mask(ratio, of32<1 << 30>())", "kernels", "levels_that*", KERNELS),
         ("AVX-512: scaled positions rounded down", "hal/kernels/avx512/scaled.hpp", "return _mm512_add_epi32(from, _mm512_sllv_epi32(of32<1>(), _mm512_sub_epi32(drop, of32<1>())));", "return from;", "kernels", "levels_that*", KERNELS),
@@ -577,6 +577,11 @@ if "avx512_vbmi2" in pathlib.Path("/proc/cpuinfo").read_text():
         ("AVX-512: spans on several whole levels on one", "hal/kernels/avx512/levels.hpp", "_mm512_test_epi32_mask(differs, of32<~fraction>()) == 0;", "true;", "kernels", "random_planes*", KERNELS),
         ("AVX-512: spans alone on a level that are not", "hal/kernels/avx512/levels.hpp", "_mm512_test_epi32_mask(differs, of32<fraction>()) == 0);", "true);", "kernels", "random_planes*", KERNELS),
         ("AVX-512: positions on alike levels in more than 32 bits", "hal/kernels/avx512/places.hpp", "bits_and_level, _mm256_set1_epi32(28)", "bits_and_level, _mm256_set1_epi32(32)", "kernels", "sheared_and_magnified*", KERNELS),
+        ("AVX-512: one level of planes that face the viewer as of two", "hal/kernels/avx512.cpp", "_mm256_add_epi32(level, _mm256_set1_epi32(to_whole<TwoLevels>))", "level", "kernels", "turned_planes_that*", KERNELS),
+        ("AVX-512: planes that face the viewer on one level for two", "hal/kernels/avx512.cpp", "_mm256_testn_epi32_mask(level, _mm256_set1_epi32((1 << q.level_bits) - 1)) : all", "all : all", "kernels", "turned_planes_that*", KERNELS),
+        ("AVX-512: levels that are no halves taken for such where planes face the viewer", "hal/kernels/avx512.cpp", "_mm256_cmpgt_epi32_mask(level, _mm256_set1_epi32(last_like_level<TwoLevels>(*work.texels)))", "0", "kernels", "turned_planes_that*", KERNELS),
+        ("AVX-512: rows alone tell the level of planes that face the viewer", "hal/kernels/avx512/levels.hpp", "longest = _mm512_max_epi32(lengths, _mm512_shuffle_i64x2(lengths, lengths, 0x4E));", "longest = lengths;", "kernels", "turned_planes_that*", KERNELS),
+        ("vectors: rows alone tell the level of planes that face the viewer", "hal/kernels/vectors/positions.hpp", "max_of(c.level_row[0], c.level_column[0])", "c.level_row[0]", "kernels", "turned_planes_that*", KERNELS),
         ("AVX-512: the first level without its ramp's end", "hal/kernels/avx512/levels.hpp", "each = _mm512_max_epi32(each, of32<detail_of_ramp>());", "(void)each;", "kernels", "random_planes*", KERNELS),
         ("AVX-512: the last level as those before it", "hal/kernels/avx512/levels.hpp", "if (alike && whole < last_level)", "if (alike)", "kernels", "random_planes*", KERNELS),
         ("AVX-512: texels in rows of 8 in more than 32 bits", "hal/kernels/avx512/places.hpp", "_mm256_set1_epi32(32 - 3)", "_mm256_set1_epi32(32 - 0)", "kernels", "sheared_and*", KERNELS),

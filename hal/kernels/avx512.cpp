@@ -162,15 +162,20 @@ SPANTEX_INLINE void draw_batch(const row_work& work, const batch& b, uint32_t sp
   }
 }
 
-// Step by step: a step is a chain of dependent operations, and those of the other spans fill its gaps.
-template <filter Kind, int Channels>
-SPANTEX_INLINE void draw_batch_on_levels(const row_work& work, const batch& b, uint32_t spans, next_batch<Kind>& next) {
-  constexpr bool two = Kind == filter::trilinear;
-  alignas(64) span_pixels of[batch_size];
+// What levels a batch's spans take, a bit a span.
+struct batch_levels {
+  __m256i level;        // the least, as of a span's first pixel where that tells (to_whole)
+  uint32_t scaled;      // some pixel takes from a level whose sides do not halve exactly
+  uint32_t alike;       // all take from one whole level
+  uint32_t alone;       // and none from the next
+  uint32_t crossing;    // all take from the whole level and the next
+};
+
+// Positions and levels of the spans' pixels. Step by step: a step is a chain of dependent operations, and those of the other spans fill its gaps.
+template <bool TwoLevels>
+SPANTEX_INLINE batch_levels find_levels(const row_work& work, const batch& b, uint32_t spans, span_pixels (&of)[batch_size]) {
   v16 lengths[batch_size];
-  batch_places places;
-  __m256i level = _mm256_setzero_si256();  // each span's least, as of its first pixel where that tells
-  uint32_t scaled = 0, alike = 0, alone = 0, crossing = 0;
+  batch_levels l{};
   for (int k = 0; k < batch_size; ++k)
     if ((spans & ~b.magnified) >> k & 1) lengths[k] = lengths_of(b, k);
   const bool some_unlike = work.texels->levels_in_rows().exact_count() <= work.last_level;
@@ -178,18 +183,45 @@ SPANTEX_INLINE void draw_batch_on_levels(const row_work& work, const batch& b, u
     __m128i least = _mm_setzero_si128();
     bool all_alike = true, all_alone = true, next_too = false;
     if ((spans & b.magnified) >> k & 1) {
-      take(offsets_of<forms_in_turn>(b, k), of[k]);  // their levels, all 0, are read of those alone that are drawn by themselves (below)
+      take(offsets_of<forms_in_turn>(b, k), of[k]);  // their levels, all 0, are read of those alone that are drawn by themselves
     } else if (spans >> k & 1) {
       b.slope_log2[k] > most_level_slope_log2 ? find_pixels<true>(b, k, lengths[k], of[k]) : find_pixels<false>(b, k, lengths[k], of[k]);
-      least = settle<two>(of[k].level, work.last_level, all_alike, all_alone);
-      if (some_unlike) scaled |= uint32_t(on_unlike_levels<two>(*work.texels, of[k].level)) << k;
-      if (!all_alike) [[unlikely]] least = least_level_of<two>(of[k].level, next_too);
+      least = settle<TwoLevels>(of[k].level, work.last_level, all_alike, all_alone);
+      if (some_unlike) l.scaled |= uint32_t(on_unlike_levels<TwoLevels>(*work.texels, of[k].level)) << k;
+      if (!all_alike) [[unlikely]] least = least_level_of<TwoLevels>(of[k].level, next_too);
     }
-    level = _mm256_alignr_epi32(_mm256_castsi128_si256(least), level, 1);
-    alike |= uint32_t(all_alike) << k;
-    alone |= uint32_t(all_alone) << k;
-    crossing |= uint32_t(next_too) << k;
+    l.level = _mm256_alignr_epi32(_mm256_castsi128_si256(least), l.level, 1);
+    l.alike |= uint32_t(all_alike) << k;
+    l.alone |= uint32_t(all_alone) << k;
+    l.crossing |= uint32_t(next_too) << k;
   }
+  return l;
+}
+
+// The same where w is constant.
+template <bool TwoLevels>
+SPANTEX_INLINE batch_levels find_flat_levels(const row_work& work, const batch& b, uint32_t spans, span_pixels (&of)[batch_size]) {
+  const __m256i level = levels_of_flat(b, work.last_level);
+  alignas(32) int32_t each[batch_size];
+  put(each, level);
+  for (int k = 0; k < batch_size; ++k) {
+    if (!(spans >> k & 1)) continue;
+    take(offsets_of<forms_in_turn>(b, k), of[k]);
+    for (v16& same : of[k].level) same = set32(each[k]);
+  }
+  const uint32_t all = (1u << batch_size) - 1;
+  const uint32_t scaled = _mm256_cmpgt_epi32_mask(level, _mm256_set1_epi32(last_like_level<TwoLevels>(*work.texels)));
+  const uint32_t alone = TwoLevels ? _mm256_testn_epi32_mask(level, _mm256_set1_epi32((1 << q.level_bits) - 1)) : all;
+  return {_mm256_add_epi32(level, _mm256_set1_epi32(to_whole<TwoLevels>)), scaled, all, alone, 0};
+}
+
+template <filter Kind, int Channels>
+SPANTEX_INLINE void draw_batch_on_levels(const row_work& work, const batch& b, uint32_t spans, next_batch<Kind>& next) {
+  constexpr bool two = Kind == filter::trilinear;
+  alignas(64) span_pixels of[batch_size];
+  const bool flat = work.map->w.x == 0 && work.map->w.y == 0;
+  const auto [level, scaled, alike, alone, crossing] = flat ? find_flat_levels<two>(work, b, spans, of) : find_levels<two>(work, b, spans, of);
+  batch_places places;
   const __m256i whole = _mm256_srai_epi32(level, q.level_bits);
   place_spans<two>(work, b, spans & ~scaled & (alike | crossing), alone, crossing, whole, places);
   scaled_places others;

@@ -80,6 +80,31 @@ SPANTEX_CASE(turned_planes_between_levels) {
     }
 }
 
+// W is constant: each span's pixels have one level. Levels from below 0 to beyond the last, those that are whole among them (turned by 3, 4, 5); and planes that do not grow one way, or at all.
+SPANTEX_CASE(turned_planes_that_face_the_viewer) {
+  static constexpr int32_t sides[][2] = {{512, 512}, {40, 24}, {500, 375}};
+  const auto draw = [](const ready_map& map, const double (&m)[9]) {
+    plane p{};
+    SPANTEX_ASSERT_OK(make_plane(homography_of(m), {0, 0, 96, 72}, p));
+    assert_true(p.w.x == 0 && p.w.y == 0);
+    for (const filter kind : {filter::mip_bilinear, filter::trilinear}) draw_all(p, map, kind, {0, 0, 96, 72}, 96, 72);
+  };
+  for (const auto& side : sides)
+    for (const wrap w : wraps) {
+      const ready_map map(random_map(side[0], side[1]), w);
+      for (double scale = 0.3; scale < 700; scale *= short_run() ? 1.29 : 1.02)
+        for (const double stretch : {1.0, 0.4}) draw(map, {0.866 * scale, -0.5 * stretch * scale, -100, 0.5 * scale, 0.866 * stretch * scale, 20, 0, 0, stretch * 1.7});
+      for (double scale = 0.5; scale <= 1024; scale *= 2)
+        for (const double around : {-0.02, -0.001, 0.0, 0.001, 0.02}) {
+          const double by = scale * (1 + around);
+          draw(map, {0.6 * by, -0.8 * by, 7.3, 0.8 * by, 0.6 * by, 20.6, 0, 0, 1});
+        }
+      draw(map, {1.3, 0.7, 10.4, 0, 0, 3.2, 0, 0, 1});
+      draw(map, {0, 3.3, 10.4, 0, 2.1, 3.2, 0, 0, 1});
+      draw(map, {0, 0, 10.4, 0, 0, 3.2, 0, 0, 1});
+    }
+}
+
 // A wall to the side, minified across: quads that reach more than eight rows of a span's second level too.
 SPANTEX_CASE(walls_to_the_side) {
   const double m[9] = {1.913, 0.307, 101.7, -0.211, 1.297, 702.3, 0.00115, 0.0001, 0.253};
@@ -400,6 +425,7 @@ int main() {
       cmocka_unit_test(rows_of_fewer_samples),
       cmocka_unit_test(minified_planes),
       cmocka_unit_test(turned_planes_between_levels),
+      cmocka_unit_test(turned_planes_that_face_the_viewer),
       cmocka_unit_test(walls_to_the_side),
       cmocka_unit_test(sheared_and_magnified_planes),
       cmocka_unit_test(spans_of_four_to_nine_texels),

@@ -14,7 +14,9 @@ SPANTEX_INLINE v16 detail_of(v16 x, v16 most) { return settled(_mm512_srai_epi32
 
 // level_term() of log2_length() of the eight rows, then of the eight columns, s.16, half of 2^-8 added. What is squared is below 2^31 (vectors/levels.hpp). Exponents are 18 to 36:
 // the upper limit of a term is not reached; a length of 0, taken for -1/2, stays below any other, and it and what is below the lower limit are levels far below 0.
-SPANTEX_INLINE v16 lengths16(v8 row_u, v8 row_v, v8 column_u, v8 column_v, int exponent) {
+// more: more_of_level, less the numbers' exponent.
+constexpr int32_t more_of_level = (1 << 16) + detail_half + 32;
+SPANTEX_INLINE v16 lengths16(v8 row_u, v8 row_v, v8 column_u, v8 column_v, v16 more) {
   const auto square = [&](v8 u, v8 v) { return _mm512_add_epi64(_mm512_mul_epi32(u, u), _mm512_mul_epi32(v, v)); };
   const v8 row = square(row_u, row_v), column = square(column_u, column_v);
   const v8 row_zeros = _mm512_lzcnt_epi64(row), column_zeros = _mm512_lzcnt_epi64(column);
@@ -22,7 +24,7 @@ SPANTEX_INLINE v16 lengths16(v8 row_u, v8 row_v, v8 column_u, v8 column_v, int e
   const v16 bits = _mm512_permutex2var_epi32(_mm512_sllv_epi64(row, row_zeros), higher, _mm512_sllv_epi64(column, column_zeros));
   const v16 zeros = _mm512_permutex2var_epi32(row_zeros, lower, column_zeros);
   const v16 length = _mm512_srai_epi32(log2_of_bits(bits, _mm512_sub_epi32(of32<63>(), zeros)), 1);
-  return _mm512_and_si512(_mm512_add_epi32(length, set32((1 - exponent) * 65536 + detail_half + 32)), of32<-64>());
+  return _mm512_and_si512(_mm512_add_epi32(length, more), of32<-64>());
 }
 
 // Of the span's rows and columns.
@@ -30,15 +32,28 @@ SPANTEX_INLINE v16 lengths_of(const batch& b, int k) {
   const v8 half = _mm512_setr_epi64(-7, -5, -3, -1, 1, 3, 5, 7);
   const v8 along_u = _mm512_mul_epi32(set(b.twist_u[k]), half), along_v = _mm512_mul_epi32(set(b.twist_v[k]), half);
   return lengths16(_mm512_add_epi64(set(b.u_x[k]), along_u), _mm512_add_epi64(set(b.v_x[k]), along_v), _mm512_sub_epi64(set(b.u_y[k]), along_u),
-                   _mm512_sub_epi64(set(b.v_y[k]), along_v), b.exponent[k]);
+                   _mm512_sub_epi64(set(b.v_y[k]), along_v), set32(more_of_level - b.exponent[k] * (1 << 16)));
 }
 
-// Whether some pixel takes from a level whose sides are not level 0's, halved.
+// Settled levels of eight spans whose pixels have one each: where w is constant, so are rows' and columns' lengths.
+SPANTEX_INLINE __m256i levels_of_flat(const batch& b, int32_t last_level) {
+  const auto of = [](const int64_t (&x)[batch_size]) SPANTEX_INLINED { return _mm512_load_si512(x); };
+  const v16 exponents = _mm512_broadcast_i64x4(got(b.exponent)), more = _mm512_sub_epi32(of32<more_of_level>(), _mm512_slli_epi32(exponents, 16));
+  const v16 lengths = lengths16(of(b.u_x), of(b.v_x), of(b.u_y), of(b.v_y), more), longest = _mm512_max_epi32(lengths, _mm512_shuffle_i64x2(lengths, lengths, 0x4E));
+  return _mm512_castsi512_si256(detail_of(longest, set32(last_level << q.level_bits)));
+}
+
+// The last level of detail at which pixels take from no level but those whose sides are level 0's, halved.
+template <bool TwoLevels>
+SPANTEX_INLINE int32_t last_like_level(const planar_map& map) {
+  return (map.levels_in_rows().exact_count() - 1) * (1 << q.level_bits) + (TwoLevels ? 0 : 1 << (q.level_bits - 1));  // integer_level()
+}
+
+// Whether some pixel takes from others.
 template <bool TwoLevels>
 SPANTEX_INLINE bool on_unlike_levels(const planar_map& map, const v16 (&level)[quads]) {
   const v16 most = _mm512_max_epi32(_mm512_max_epi32(level[0], level[1]), _mm512_max_epi32(level[2], level[3]));
-  const int32_t last = (map.levels_in_rows().exact_count() - 1) * (1 << q.level_bits) + (TwoLevels ? 0 : 1 << (q.level_bits - 1));  // integer_level()
-  return _mm512_cmpgt_epi32_mask(most, set32(last)) != 0;
+  return _mm512_cmpgt_epi32_mask(most, set32(last_like_level<TwoLevels>(map))) != 0;
 }
 
 // What makes a level's whole part the one that is taken: one level of detail d is ceil(d + 1/2) - 1.
