@@ -3,7 +3,8 @@
 #pragma once
 
 constexpr int wide_lanes = width / 2;
-static_assert(batch % wide_lanes == 0);
+constexpr int planned_at_once = SPANTEX_AVX2 ? 2 : 1;  // groups of lanes
+static_assert(batch % (planned_at_once * wide_lanes) == 0);
 
 SPANTEX_INLINE v_s64 all(int64_t x) { return v_s64{} + x; }
 SPANTEX_INLINE v_s64 least(v_s64 a, v_s64 b) { return a < b ? a : b; }
@@ -43,11 +44,10 @@ class planner {
     const uint64_t slope = uint64_t(reach) * (magnitude(p.w.x) + magnitude(p.w.y));
     slope_ = int64_t(slope);
     slope_drop_ = max_of(0, bit_length(slope) - 31);
+    if (slope == 0) invert(w_, w_bits_, y_);
   }
 
-  SPANTEX_INLINE void next(int count, span_coefficients* c, bool* usable) {
-    for (int k = 0; k < count; k += wide_lanes) next(c + k, usable + k);
-  }
+  SPANTEX_INLINE void next(int count, span_coefficients* c, bool* usable) { is_flat() ? plan<true>(count, c, usable) : plan<false>(count, c, usable); }
   SPANTEX_INLINE void skip(int count) {  // a multiple of wide_lanes, or no more follow
     w_ += 2 * span_side * count * plane_.w.x;
     u_ += 2 * span_side * count * plane_.u.x;
@@ -55,46 +55,118 @@ class planner {
   }
 
  private:
-  SPANTEX_INLINE void next(span_coefficients* c, bool* usable) {
+  struct group {
+    v_s64 w, nu, nv, w_bits, in, base_u, base_v, c_u, a_u, b_u, c_v, a_v, b_v, extent_log2, exponent, drop, shift, g, h, slope_log2, terms;
+    v_64 y;
+    SPANTEX_INLINE v_s64 y_exponent() const { return w_bits - 32; }
+  };
+
+  // Step by step for several groups of lanes: a plan is one chain of dependent operations, and two of them take little longer than one.
+  template <bool Flat>
+  SPANTEX_INLINE void plan(int count, span_coefficients* c, bool* usable) {
+    for (int k = 0; k < count; k += planned_at_once * wide_lanes) {
+      group groups[planned_at_once];
+      const auto each = [&](auto&& step) SPANTEX_INLINED {
+#pragma GCC unroll 2
+        for (int n = 0; n < planned_at_once; ++n) step(groups[n], k + n * wide_lanes);
+      };
+      each([&](group& g, int) SPANTEX_INLINED { begin<Flat>(g); });
+      each([&](group& g, int) SPANTEX_INLINED { find_bases(g); });
+      each([&](group& g, int) SPANTEX_INLINED { find_extents<Flat>(g); });
+      each([&](group& g, int) SPANTEX_INLINED { choose_evaluation<Flat>(g); });
+      each([&](group& g, int first) SPANTEX_INLINED { put(g, c + first, usable + first); });
+    }
+  }
+
+  template <bool Flat>
+  SPANTEX_INLINE void begin(group& s) {
     const plane& p = plane_;
-    const v_s64 w = w_, nu = u_, nv = v_;
+    s.w = w_;
+    s.nu = u_;
+    s.nv = v_;
     constexpr int across = wide_lanes * 2 * span_side;
     w_ += across * p.w.x;
     u_ += across * p.u.x;
     v_ += across * p.v.x;
-    v_s64 in = (w > 0) & (all(slope_) < (w >> 1) - (w >> 8));
-    const v_s64 w_bits = bit_lengths(w);
-    const v_64 mantissas = v_64(w) << v_64(64 - w_bits) >> 32;
-    const v_64 y = reciprocal_wide(mantissas, seeds_at(mantissas >> (31 - reciprocal_seed_bits) & ((1 << reciprocal_seed_bits) - 1)));
-    const v_s64 y_exponent = w_bits - 32;
+    s.in = (s.w > 0) & (all(slope_) < (s.w >> 1) - (s.w >> 8));
+    if constexpr (Flat) {
+      s.w_bits = w_bits_;
+      s.y = y_;
+    } else {
+      invert(s.w, s.w_bits, s.y);
+    }
+  }
+
+  // W is constant, and so is what follows from it alone.
+  SPANTEX_INLINE bool is_flat() const { return slope_ == 0; }
+
+  SPANTEX_INLINE static void invert(v_s64 w, v_s64& bits, v_64& y) {
+    bits = bit_lengths(w);
+    const v_64 mantissas = v_64(w) << v_64(64 - bits) >> 32;
+    y = reciprocal_wide(mantissas, seeds_at(mantissas >> (31 - reciprocal_seed_bits) & ((1 << reciprocal_seed_bits) - 1)));
+  }
+
+  SPANTEX_INLINE static void find_bases(group& s) {
     const auto whole_quotients = [&](v_s64 n) SPANTEX_INLINED {
-      const v_s64 bits = bit_lengths(size_of(n)), drop = largest(bits - 31, all(0)), r = quotients(n, drop, y, y_exponent + 63 - drop);
-      in &= (bits <= w_bits + 15) & (size_of(r) <= largest_base(Kind));
+      const v_s64 bits = bit_lengths(size_of(n)), drop = largest(bits - 31, all(0)), r = quotients(n, drop, s.y, s.y_exponent() + 63 - drop);
+      s.in &= (bits <= s.w_bits + 15) & (size_of(r) <= largest_base(Kind));
       return r;
     };
-    const v_s64 base_u = whole_quotients(nu), base_v = whole_quotients(nv);
-    // coordinates_within()
-    const v_s64 c_u = nu - times_bases(w, base_u), a_u = p.u.x - times_bases(all(p.w.x), base_u), b_u = p.u.y - times_bases(all(p.w.y), base_u);
-    const v_s64 c_v = nv - times_bases(w, base_v), a_v = p.v.x - times_bases(all(p.w.x), base_v), b_v = p.v.y - times_bases(all(p.w.y), base_v);
-    const auto extent_of = [](v_s64 x, v_s64 right, v_s64 down) SPANTEX_INLINED { return size_of(x) + times_reach(size_of(right) + size_of(down)); };
-    const v_s64 extent_bits = bit_lengths(largest(extent_of(c_u, a_u, b_u), extent_of(c_v, a_v, b_v))), extent_log2 = extent_bits - w_bits + 1;
-    in &= extent_log2 <= max_extent_log2;
-    const v_s64 exponent = least(q.offset_bits - 1 - extent_log2, all(max_exponent)), drop = largest(extent_bits - 31, all(0)), shift = y_exponent + 63 - drop - exponent;
-    const v_s64 slope_shift = y_exponent + (63 - slope_drop_ - q.reciprocal_bits), g = quotients(all(p.w.x), all(slope_drop_), y, slope_shift),
-                h = quotients(all(p.w.y), all(slope_drop_), y, slope_shift);
-    // choose_evaluation()
-    const v_s64 steepness = times_reach(size_of(g) + size_of(h)), slope_log2 = largest(bit_lengths(steepness) - q.reciprocal_bits, all(least_slope_log2));
-    const v_s64 steep = slope_log2 > most_series_slope_log2, affine_log2 = extent_log2 + slope_log2 + 1, resolution = (q.offset_bits - 1) - exponent + slope_log2;
-    const v_s64 series = ~steep & (resolution <= series_bits - 3 - q.tolerance_bits);
-    v_s64 terms = all(divide_terms), error_log2 = affine_log2 + slope_log2 * most_series_terms;
-    for (int n = most_series_terms; n >= 1; --n, error_log2 -= slope_log2) terms = (series & (error_log2 <= -q.tolerance_bits - 1)) != 0 ? all(n) : terms;
-    terms = ((steepness == 0) | (affine_log2 - steep <= -q.tolerance_bits)) != 0 ? all(0) : terms;
-    if (p.rounding_bits != 0) {  // rounding_is_small()
-      const v_s64 reached = v_s64((v_64{} + 2) << v_64(largest(q.offset_bits - 1 - exponent, all(0)))), farthest = largest(size_of(base_u), size_of(base_v)) + reached + 2;
-      in &= bit_lengths(farthest) + (p.rounding_bits + set_up_tolerance_bits) < w_bits;
+    s.base_u = whole_quotients(s.nu);
+    s.base_v = whole_quotients(s.nv);
+  }
+
+  // coordinates_within()
+  template <bool Flat>
+  SPANTEX_INLINE void find_extents(group& s) const {
+    const plane& p = plane_;
+    s.c_u = s.nu - times_bases(s.w, s.base_u);
+    s.c_v = s.nv - times_bases(s.w, s.base_v);
+    s.a_u = all(p.u.x);
+    s.b_u = all(p.u.y);
+    s.a_v = all(p.v.x);
+    s.b_v = all(p.v.y);
+    if constexpr (!Flat) {
+      s.a_u -= times_bases(all(p.w.x), s.base_u);
+      s.b_u -= times_bases(all(p.w.y), s.base_u);
+      s.a_v -= times_bases(all(p.w.x), s.base_v);
+      s.b_v -= times_bases(all(p.w.y), s.base_v);
     }
-    const auto mantissa = [&](v_s64 n) SPANTEX_INLINED { return quotients(n, drop, y, shift); };
-    const v_s64 fields[] = {base_u, base_v, mantissa(c_u), mantissa(a_u), mantissa(b_u), mantissa(c_v), mantissa(a_v), mantissa(b_v), g, h, exponent, slope_log2, terms, in};
+    const auto extent_of = [](v_s64 x, v_s64 right, v_s64 down) SPANTEX_INLINED { return size_of(x) + times_reach(size_of(right) + size_of(down)); };
+    const v_s64 extent_bits = bit_lengths(largest(extent_of(s.c_u, s.a_u, s.b_u), extent_of(s.c_v, s.a_v, s.b_v)));
+    s.extent_log2 = extent_bits - s.w_bits + 1;
+    s.in &= s.extent_log2 <= max_extent_log2;
+    s.exponent = least(q.offset_bits - 1 - s.extent_log2, all(max_exponent));
+    s.drop = largest(extent_bits - 31, all(0));
+    s.shift = s.y_exponent() + 63 - s.drop - s.exponent;
+  }
+
+  template <bool Flat>
+  SPANTEX_INLINE void choose_evaluation(group& s) const {
+    const plane& p = plane_;
+    s.g = s.h = s.terms = all(0);
+    s.slope_log2 = all(least_slope_log2);
+    if constexpr (!Flat) {
+      const v_s64 slope_shift = s.y_exponent() + (63 - slope_drop_ - q.reciprocal_bits);
+      s.g = quotients(all(p.w.x), all(slope_drop_), s.y, slope_shift);
+      s.h = quotients(all(p.w.y), all(slope_drop_), s.y, slope_shift);
+      const v_s64 steepness = times_reach(size_of(s.g) + size_of(s.h)), slope_log2 = largest(bit_lengths(steepness) - q.reciprocal_bits, all(least_slope_log2));
+      const v_s64 steep = slope_log2 > most_series_slope_log2, affine_log2 = s.extent_log2 + slope_log2 + 1, resolution = (q.offset_bits - 1) - s.exponent + slope_log2;
+      const v_s64 series = ~steep & (resolution <= series_bits - 3 - q.tolerance_bits);
+      v_s64 terms = all(divide_terms), error_log2 = affine_log2 + slope_log2 * most_series_terms;
+      for (int n = most_series_terms; n >= 1; --n, error_log2 -= slope_log2) terms = (series & (error_log2 <= -q.tolerance_bits - 1)) != 0 ? all(n) : terms;
+      s.terms = ((steepness == 0) | (affine_log2 - steep <= -q.tolerance_bits)) != 0 ? all(0) : terms;
+      s.slope_log2 = slope_log2;
+    }
+    if (p.rounding_bits != 0) {  // rounding_is_small()
+      const v_s64 reached = v_s64((v_64{} + 2) << v_64(largest(q.offset_bits - 1 - s.exponent, all(0)))), farthest = largest(size_of(s.base_u), size_of(s.base_v)) + reached + 2;
+      s.in &= bit_lengths(farthest) + (p.rounding_bits + set_up_tolerance_bits) < s.w_bits;
+    }
+  }
+
+  SPANTEX_INLINE static void put(const group& s, span_coefficients* c, bool* usable) {
+    const auto mantissa = [&](v_s64 n) SPANTEX_INLINED { return quotients(n, s.drop, s.y, s.shift); };
+    const v_s64 fields[] = {s.base_u, s.base_v, mantissa(s.c_u), mantissa(s.a_u), mantissa(s.b_u), mantissa(s.c_v), mantissa(s.a_v), mantissa(s.b_v), s.g, s.h, s.exponent, s.slope_log2, s.terms, s.in};
     alignas(sizeof(v)) int64_t of[sizeof fields / sizeof fields[0]][wide_lanes];
     __builtin_memcpy(of, fields, sizeof fields);
     static constexpr evaluation hows[] = {evaluation::affine, evaluation::series, evaluation::series, evaluation::series, evaluation::series, evaluation::divide};
@@ -117,6 +189,8 @@ class planner {
 
   const plane& plane_;
   v_s64 w_, u_, v_;  // of the next spans' centres
+  v_s64 w_bits_{};     // where W is constant
+  v_64 y_{};
   int64_t slope_;
   int slope_drop_;
 };
