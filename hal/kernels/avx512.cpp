@@ -115,7 +115,7 @@ class batch_order {
 };
 
 // The batch from span `first` of the row on, planned in parts, between which there is something else to do.
-template <filter Kind>
+template <filter Kind, bool Flat = false>
 struct next_batch {
   const row_work& work;
   const batch_steps& steps;
@@ -129,7 +129,7 @@ struct next_batch {
       b.sx = work.sx + first;
       b.first = first;
     }
-    plan_part<Kind>(k, work, steps, s, b);
+    plan_part<Kind, Flat>(k, work, steps, s, b);
   }
   SPANTEX_INLINE void all() {
     for (int k = 0; k < plan_parts; ++k) part(k);
@@ -161,6 +161,9 @@ SPANTEX_INLINE void draw_batch(const row_work& work, const batch& b, uint32_t sp
     left.keep(work, b, k);
   }
 }
+
+// W is constant: so are the lengths of a span's rows and columns.
+SPANTEX_INLINE bool is_flat(const row_work& work) { return work.map->w.x == 0 && work.map->w.y == 0; }
 
 // What levels a batch's spans take, a bit a span.
 struct batch_levels {
@@ -219,8 +222,7 @@ template <filter Kind, int Channels>
 SPANTEX_INLINE void draw_batch_on_levels(const row_work& work, const batch& b, uint32_t spans, next_batch<Kind>& next) {
   constexpr bool two = Kind == filter::trilinear;
   alignas(64) span_pixels of[batch_size];
-  const bool flat = work.map->w.x == 0 && work.map->w.y == 0;
-  const auto [level, scaled, alike, alone, crossing] = flat ? find_flat_levels<two>(work, b, spans, of) : find_levels<two>(work, b, spans, of);
+  const auto [level, scaled, alike, alone, crossing] = is_flat(work) ? find_flat_levels<two>(work, b, spans, of) : find_levels<two>(work, b, spans, of);
   batch_places places;
   const __m256i whole = _mm256_srai_epi32(level, q.level_bits);
   place_spans<two>(work, b, spans & ~scaled & (alike | crossing), alone, crossing, whole, places);
@@ -266,16 +268,22 @@ void draw_batches(const row_work& work, plans_of_left<Kind>& left) {
 
 // Spans of nearest are shorter than what a plan's parts would leave to each other in memory. Two batches are planned side by side instead: a plan is one chain of
 // dependent operations, and two of them take little longer than one.
-template <bool Gathers>
+template <bool Gathers, bool Flat>
 void draw_row_of_nearest(const row_work& work) {
   constexpr int pair = 2;
   constexpr int soon = 3;  // spans ahead: its lower half is prefetched; what lies above that the row of spans before has read
   const batch_steps steps(*work.map);
   batch two[2][pair];
   setup s[pair];
+  if constexpr (Flat) {
+    s[0].w = set(work.map->w.c);
+    start_inverse(s[0]);
+    plan_inverse(s[0]);
+    s[1] = s[0];
+  }
   const auto plan = [&](int first, batch (&to)[pair]) {
     for (int k = 0; k < plan_parts; ++k)
-      for (int n = 0; n < pair; ++n) next_batch<filter::nearest>{work, steps, s[n], first + n * batch_size, to[n]}.part(k);
+      for (int n = 0; n < pair; ++n) next_batch<filter::nearest, Flat>{work, steps, s[n], first + n * batch_size, to[n]}.part(k);
   };
   plan(0, two[0]);
   for (int first = 0, turn = 0; first < work.count; first += pair * batch_size, turn ^= 1) {
@@ -294,7 +302,7 @@ void draw_row_of_nearest(const row_work& work) {
 
 template <filter Kind, bool Gathers>
 void draw_row_by_blocks(const row_work& work, plans_of_left<Kind>& left) {
-  if constexpr (Kind == filter::nearest) draw_row_of_nearest<Gathers>(work);
+  if constexpr (Kind == filter::nearest) is_flat(work) ? draw_row_of_nearest<Gathers, true>(work) : draw_row_of_nearest<Gathers, false>(work);
   else if (work.texels->opaque()) draw_batches<Kind, 3>(work, left);
   else draw_batches<Kind, 4>(work, left);
 }

@@ -80,14 +80,14 @@ SPANTEX_CASE(turned_planes_between_levels) {
     }
 }
 
-// W is constant: each span's pixels have one level. Levels from below 0 to beyond the last, those that are whole among them (turned by 3, 4, 5); and planes that do not grow one way, or at all.
+// W is constant: planned by other ways, and each span's pixels have one level. Levels from below 0 to beyond the last, those that are whole among them (turned by 3, 4, 5); and planes that do not grow one way, or at all.
 SPANTEX_CASE(turned_planes_that_face_the_viewer) {
   static constexpr int32_t sides[][2] = {{512, 512}, {40, 24}, {500, 375}};
   const auto draw = [](const ready_map& map, const double (&m)[9]) {
     plane p{};
     SPANTEX_ASSERT_OK(make_plane(homography_of(m), {0, 0, 96, 72}, p));
     assert_true(p.w.x == 0 && p.w.y == 0);
-    for (const filter kind : {filter::mip_bilinear, filter::trilinear}) draw_all(p, map, kind, {0, 0, 96, 72}, 96, 72);
+    for (const filter kind : {filter::nearest, filter::bilinear, filter::mip_bilinear, filter::trilinear}) draw_all(p, map, kind, {0, 0, 96, 72}, 96, 72);
   };
   for (const auto& side : sides)
     for (const wrap w : wraps) {
@@ -102,6 +102,7 @@ SPANTEX_CASE(turned_planes_that_face_the_viewer) {
       draw(map, {1.3, 0.7, 10.4, 0, 0, 3.2, 0, 0, 1});
       draw(map, {0, 3.3, 10.4, 0, 2.1, 3.2, 0, 0, 1});
       draw(map, {0, 0, 10.4, 0, 0, 3.2, 0, 0, 1});
+      draw(map, {80, -30, 1040, 30, 80, 320, 0, 0, 100});
     }
 }
 

@@ -12,18 +12,10 @@ SPANTEX_INLINE v8 modulo(v8 base, int32_t period) {
   return _mm512_sub_epi64(shifted, _mm512_mullo_epi64(times, set(period)));
 }
 
-// A plan in parts, each a short chain of dependent operations: processors look ahead by some hundred operations alone.
-//
-// reference_at() of eight spans from sx: W, and what its inverse begins with.
-SPANTEX_INLINE void plan_start(const row_work& work, const batch_steps& steps, int32_t sx, setup& s) {
-  const plane& p = *work.map;
-  const int32_t cx = 2 * span_side * sx + span_side, cy = 2 * span_side * work.sy + span_side;
-  s.w = _mm512_add_epi64(set(p.value(p.w, cx, cy)), steps.w);
-  s.nu = _mm512_add_epi64(set(p.value(p.u, cx, cy)), steps.nu);
-  s.nv = _mm512_add_epi64(set(p.value(p.v, cx, cy)), steps.nv);
-  s.usable = _mm512_cmpgt_epi64_mask(s.w, _mm512_setzero_si512());
-  const uint64_t slope = 7 * (magnitude(p.w.x) + magnitude(p.w.y));
-  s.usable &= _mm512_cmplt_epu64_mask(set(int64_t(slope)), _mm512_sub_epi64(_mm512_srli_epi64(s.w, 1), _mm512_srli_epi64(s.w, 8)));
+// A plan in parts, each a short chain of dependent operations: processors look ahead by some hundred operations alone. Flat: W is constant, and so is what follows from it alone.
+
+// What the inverse of W begins with.
+SPANTEX_INLINE void start_inverse(setup& s) {
   const v8 zeros = _mm512_lzcnt_epi64(s.w);
   s.w_bits = _mm512_sub_epi64(of64<64>(), zeros);
   s.inverse.exponent = _mm512_sub_epi64(of64<32>(), zeros);
@@ -33,22 +25,37 @@ SPANTEX_INLINE void plan_start(const row_work& work, const batch_steps& steps, i
 
 SPANTEX_INLINE void plan_inverse(setup& s) { s.inverse.y = newton8(s.mantissa, s.seed); }
 
+// reference_at() of eight spans from sx.
+template <bool Flat>
+SPANTEX_INLINE void plan_start(const row_work& work, const batch_steps& steps, int32_t sx, setup& s) {
+  const plane& p = *work.map;
+  const int32_t cx = 2 * span_side * sx + span_side, cy = 2 * span_side * work.sy + span_side;
+  s.w = _mm512_add_epi64(set(p.value(p.w, cx, cy)), steps.w);
+  s.nu = _mm512_add_epi64(set(p.value(p.u, cx, cy)), steps.nu);
+  s.nv = _mm512_add_epi64(set(p.value(p.v, cx, cy)), steps.nv);
+  s.usable = _mm512_cmpgt_epi64_mask(s.w, _mm512_setzero_si512());
+  const uint64_t slope = 7 * (magnitude(p.w.x) + magnitude(p.w.y));
+  s.usable &= _mm512_cmplt_epu64_mask(set(int64_t(slope)), _mm512_sub_epi64(_mm512_srli_epi64(s.w, 1), _mm512_srli_epi64(s.w, 8)));
+  if constexpr (!Flat) start_inverse(s);
+}
+
 SPANTEX_INLINE void plan_bases(setup& s) {
   s.base_u = whole_quotient8(s.nu, s.w_bits, s.inverse, s.usable);
   s.base_v = whole_quotient8(s.nv, s.w_bits, s.inverse, s.usable);
 }
 
 // coordinates_within(): what is left of the numerators, and how far it reaches.
+template <bool Flat>
 SPANTEX_INLINE void plan_extents(const row_work& work, setup& s) {
   const plane& p = *work.map;
-  const v8 gx = set(p.w.x), gy = set(p.w.y);
-  const auto less = [&](v8 x, v8 base, v8 by) { return _mm512_sub_epi64(x, _mm512_mullo_epi64(base, by)); };
+  const auto less = [&](v8 x, v8 base, v8 by) SPANTEX_INLINED { return _mm512_sub_epi64(x, _mm512_mullo_epi64(base, by)); };
+  const auto change = [&](int64_t x, v8 base, int64_t of_w) SPANTEX_INLINED { return Flat ? set(x) : less(set(x), base, set(of_w)); };
   s.c_u = less(s.nu, s.base_u, s.w);
-  s.a_u = less(set(p.u.x), s.base_u, gx);
-  s.b_u = less(set(p.u.y), s.base_u, gy);
+  s.a_u = change(p.u.x, s.base_u, p.w.x);
+  s.b_u = change(p.u.y, s.base_u, p.w.y);
   s.c_v = less(s.nv, s.base_v, s.w);
-  s.a_v = less(set(p.v.x), s.base_v, gx);
-  s.b_v = less(set(p.v.y), s.base_v, gy);
+  s.a_v = change(p.v.x, s.base_v, p.w.x);
+  s.b_v = change(p.v.y, s.base_v, p.w.y);
   const v8 extent = _mm512_max_epu64(extent_of(s.c_u, s.a_u, s.b_u), extent_of(s.c_v, s.a_v, s.b_v)), extent_bits = bit_length(extent);
   s.extent_log2 = _mm512_add_epi64(_mm512_sub_epi64(extent_bits, s.w_bits), of64<1>());
   s.usable &= _mm512_cmple_epi64_mask(s.extent_log2, of64<max_extent_log2>());
@@ -70,12 +77,15 @@ SPANTEX_INLINE void plan_mantissas(setup& s, batch& b) {
 }
 
 // Slopes, and where the map's period lets positions be counted from.
+template <bool Flat>
 SPANTEX_INLINE void plan_slopes(const row_work& work, setup& s, batch& b) {
   const plane& p = *work.map;
-  const int slope_drop = max_of(0, spantex::bit_length(7 * (magnitude(p.w.x) + magnitude(p.w.y))) - 31);
-  const v8 slope_shift = _mm512_sub_epi64(s.inverse.exponent, set(slope_drop + q.reciprocal_bits - 63));
-  s.g = quotient8(set(p.w.x), set(slope_drop), s.inverse.y, slope_shift);
-  s.h = quotient8(set(p.w.y), set(slope_drop), s.inverse.y, slope_shift);
+  if constexpr (!Flat) {
+    const int slope_drop = max_of(0, spantex::bit_length(7 * (magnitude(p.w.x) + magnitude(p.w.y))) - 31);
+    const v8 slope_shift = _mm512_sub_epi64(s.inverse.exponent, set(slope_drop + q.reciprocal_bits - 63));
+    s.g = quotient8(set(p.w.x), set(slope_drop), s.inverse.y, slope_shift);
+    s.h = quotient8(set(p.w.y), set(slope_drop), s.inverse.y, slope_shift);
+  }
   keep(b.origin_u, s.base_u); keep(b.origin_v, s.base_v);
   keep(b.base_u, modulo(s.base_u, work.texels->period_u())); keep(b.base_v, modulo(s.base_v, work.texels->period_v()));
   if (p.rounding_bits == 0) return;
@@ -129,16 +139,28 @@ SPANTEX_INLINE void plan_places(const row_work& work, const setup& s, batch& b) 
   }
 }
 
+// choose_evaluation() where nothing is divided, of filters that take slopes for nothing else.
+SPANTEX_INLINE void plan_affine(setup& s, batch& b) {
+  s.affine_log2 = _mm512_add_epi64(s.extent_log2, of64<least_slope_log2 + 1>());
+  keep(b.affine_log2, s.affine_log2);
+  put(b.terms, _mm256_setzero_si256());
+  b.usable = s.usable;
+}
+
 constexpr int plan_parts = 7;
-template <filter Kind>
+template <filter Kind, bool Flat = false>
 SPANTEX_INLINE void plan_part(int k, const row_work& work, const batch_steps& steps, setup& s, batch& b) {
   switch (k) {
-    case 0: return plan_start(work, steps, b.sx, s);
-    case 1: return plan_inverse(s);
+    case 0: return plan_start<Flat>(work, steps, b.sx, s);
+    case 1: if constexpr (!Flat) plan_inverse(s); return;
     case 2: return plan_bases(s);
-    case 3: return plan_extents(work, s);
+    case 3: return plan_extents<Flat>(work, s);
     case 4: return plan_mantissas<Kind>(s, b);
-    case 5: plan_slopes(work, s, b); return plan_evaluation<Kind>(s, b);
+    case 5:
+      plan_slopes<Flat>(work, s, b);
+      if constexpr (Flat) plan_affine(s, b);
+      else plan_evaluation<Kind>(s, b);
+      return;
     default: return plan_places<Kind>(work, s, b);
   }
 }

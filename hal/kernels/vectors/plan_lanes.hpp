@@ -3,7 +3,7 @@
 #pragma once
 
 constexpr int wide_lanes = width / 2;
-constexpr int planned_at_once = SPANTEX_AVX2 ? 2 : 1;  // groups of lanes
+constexpr int planned_at_once = wide_lanes == 4 ? 2 : 1;  // groups of lanes; side by side, two of NEON would take more instructions
 static_assert(batch % (planned_at_once * wide_lanes) == 0);
 
 SPANTEX_INLINE v_s64 all(int64_t x) { return v_s64{} + x; }
