@@ -115,7 +115,7 @@ class batch_order {
 };
 
 // The batch from span `first` of the row on, planned in parts, between which there is something else to do.
-template <filter Kind, bool Flat = false>
+template <filter Kind, bool Facing = false>
 struct next_batch {
   const row_work& work;
   const batch_steps& steps;
@@ -129,7 +129,7 @@ struct next_batch {
       b.sx = work.sx + first;
       b.first = first;
     }
-    plan_part<Kind, Flat>(k, work, steps, s, b);
+    plan_part<Kind, Facing>(k, work, steps, s, b);
   }
   SPANTEX_INLINE void all() {
     for (int k = 0; k < plan_parts; ++k) part(k);
@@ -162,8 +162,8 @@ SPANTEX_INLINE void draw_batch(const row_work& work, const batch& b, uint32_t sp
   }
 }
 
-// W is constant: so are the lengths of a span's rows and columns.
-SPANTEX_INLINE bool is_flat(const row_work& work) { return work.map->w.x == 0 && work.map->w.y == 0; }
+// W is constant.
+SPANTEX_INLINE bool faces_the_viewer(const row_work& work) { return work.map->w.x == 0 && work.map->w.y == 0; }
 
 // What levels a batch's spans take, a bit a span.
 struct batch_levels {
@@ -201,10 +201,10 @@ SPANTEX_INLINE batch_levels find_levels(const row_work& work, const batch& b, ui
   return l;
 }
 
-// The same where w is constant.
+// The same of planes that face the viewer.
 template <bool TwoLevels>
-SPANTEX_INLINE batch_levels find_flat_levels(const row_work& work, const batch& b, uint32_t spans, span_pixels (&of)[batch_size]) {
-  const __m256i level = levels_of_flat(b, work.last_level);
+SPANTEX_INLINE batch_levels find_facing_levels(const row_work& work, const batch& b, uint32_t spans, span_pixels (&of)[batch_size]) {
+  const __m256i level = levels_of_facing(b, work.last_level);
   alignas(32) int32_t each[batch_size];
   put(each, level);
   for (int k = 0; k < batch_size; ++k) {
@@ -213,7 +213,7 @@ SPANTEX_INLINE batch_levels find_flat_levels(const row_work& work, const batch& 
     for (v16& same : of[k].level) same = set32(each[k]);
   }
   const uint32_t all = (1u << batch_size) - 1;
-  const uint32_t scaled = _mm256_cmpgt_epi32_mask(level, _mm256_set1_epi32(last_like_level<TwoLevels>(*work.texels)));
+  const uint32_t scaled = spans & _mm256_cmpgt_epi32_mask(level, _mm256_set1_epi32(last_like_level<TwoLevels>(*work.texels)));
   const uint32_t alone = TwoLevels ? _mm256_testn_epi32_mask(level, _mm256_set1_epi32((1 << q.level_bits) - 1)) : all;
   return {_mm256_add_epi32(level, _mm256_set1_epi32(to_whole<TwoLevels>)), scaled, all, alone, 0};
 }
@@ -222,7 +222,8 @@ template <filter Kind, int Channels>
 SPANTEX_INLINE void draw_batch_on_levels(const row_work& work, const batch& b, uint32_t spans, next_batch<Kind>& next) {
   constexpr bool two = Kind == filter::trilinear;
   alignas(64) span_pixels of[batch_size];
-  const auto [level, scaled, alike, alone, crossing] = is_flat(work) ? find_flat_levels<two>(work, b, spans, of) : find_levels<two>(work, b, spans, of);
+  const bool some_unmagnified = (spans & ~b.magnified) != 0;
+  const auto [level, scaled, alike, alone, crossing] = some_unmagnified && faces_the_viewer(work) ? find_facing_levels<two>(work, b, spans, of) : find_levels<two>(work, b, spans, of);
   batch_places places;
   const __m256i whole = _mm256_srai_epi32(level, q.level_bits);
   place_spans<two>(work, b, spans & ~scaled & (alike | crossing), alone, crossing, whole, places);
@@ -268,14 +269,14 @@ void draw_batches(const row_work& work, plans_of_left<Kind>& left) {
 
 // Spans of nearest are shorter than what a plan's parts would leave to each other in memory. Two batches are planned side by side instead: a plan is one chain of
 // dependent operations, and two of them take little longer than one.
-template <bool Gathers, bool Flat>
+template <bool Gathers, bool Facing>
 void draw_row_of_nearest(const row_work& work) {
   constexpr int pair = 2;
   constexpr int soon = 3;  // spans ahead: its lower half is prefetched; what lies above that the row of spans before has read
   const batch_steps steps(*work.map);
   batch two[2][pair];
   setup s[pair];
-  if constexpr (Flat) {
+  if constexpr (Facing) {
     s[0].w = set(work.map->w.c);
     start_inverse(s[0]);
     plan_inverse(s[0]);
@@ -283,7 +284,7 @@ void draw_row_of_nearest(const row_work& work) {
   }
   const auto plan = [&](int first, batch (&to)[pair]) {
     for (int k = 0; k < plan_parts; ++k)
-      for (int n = 0; n < pair; ++n) next_batch<filter::nearest, Flat>{work, steps, s[n], first + n * batch_size, to[n]}.part(k);
+      for (int n = 0; n < pair; ++n) next_batch<filter::nearest, Facing>{work, steps, s[n], first + n * batch_size, to[n]}.part(k);
   };
   plan(0, two[0]);
   for (int first = 0, turn = 0; first < work.count; first += pair * batch_size, turn ^= 1) {
@@ -302,7 +303,7 @@ void draw_row_of_nearest(const row_work& work) {
 
 template <filter Kind, bool Gathers>
 void draw_row_by_blocks(const row_work& work, plans_of_left<Kind>& left) {
-  if constexpr (Kind == filter::nearest) is_flat(work) ? draw_row_of_nearest<Gathers, true>(work) : draw_row_of_nearest<Gathers, false>(work);
+  if constexpr (Kind == filter::nearest) faces_the_viewer(work) ? draw_row_of_nearest<Gathers, true>(work) : draw_row_of_nearest<Gathers, false>(work);
   else if (work.texels->opaque()) draw_batches<Kind, 3>(work, left);
   else draw_batches<Kind, 4>(work, left);
 }

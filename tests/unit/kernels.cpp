@@ -80,28 +80,31 @@ SPANTEX_CASE(turned_planes_between_levels) {
     }
 }
 
-// W is constant: planned by other ways, and each span's pixels have one level. Levels from below 0 to beyond the last, those that are whole among them (turned by 3, 4, 5); and planes that do not grow one way, or at all.
+// W is constant: planned by other ways, and each span's pixels have one level. Levels from below 0 to beyond the last; those of steps of 2^k (turned by 3, 4, 5) are halves,
+// of 2^(k + 1/2) whole, as the bias is a half. Rows of pixels longer on the map than columns, and shorter; planes that do not grow one way, or at all.
 SPANTEX_CASE(turned_planes_that_face_the_viewer) {
   static constexpr int32_t sides[][2] = {{512, 512}, {40, 24}, {500, 375}};
-  const auto draw = [](const ready_map& map, const double (&m)[9]) {
+  const auto draw = [](const ready_map& map, const double (&m)[9], int32_t height = 72) {
+    const rectangle area{0, 0, 96, height};
     plane p{};
-    SPANTEX_ASSERT_OK(make_plane(homography_of(m), {0, 0, 96, 72}, p));
+    SPANTEX_ASSERT_OK(make_plane(homography_of(m), area, p));
     assert_true(p.w.x == 0 && p.w.y == 0);
-    for (const filter kind : {filter::nearest, filter::bilinear, filter::mip_bilinear, filter::trilinear}) draw_all(p, map, kind, {0, 0, 96, 72}, 96, 72);
+    const bool near = magnitude(int64_t(m[0] / m[8])) < 8;  // none is left to the engine then
+    for (const filter kind : {filter::nearest, filter::bilinear, filter::mip_bilinear, filter::trilinear}) draw_all(p, map, kind, area, 96, height, near ? 0 : UINT64_MAX);
   };
   for (const auto& side : sides)
     for (const wrap w : wraps) {
       const ready_map map(random_map(side[0], side[1]), w);
-      for (double scale = 0.3; scale < 700; scale *= short_run() ? 1.29 : 1.02)
-        for (const double stretch : {1.0, 0.4}) draw(map, {0.866 * scale, -0.5 * stretch * scale, -100, 0.5 * scale, 0.866 * stretch * scale, 20, 0, 0, stretch * 1.7});
-      for (double scale = 0.5; scale <= 1024; scale *= 2)
+      for (double scale = 0.3; scale < 700; scale *= short_run() ? 1.4 : 1.03)
+        for (const double stretch : {1.0, 0.4, 2.5}) draw(map, {0.866 * scale, -0.5 * stretch * scale, -100, 0.5 * scale, 0.866 * stretch * scale, 20, 0, 0, stretch * 1.7});
+      for (int half_level = -2; half_level <= 20; ++half_level)
         for (const double around : {-0.02, -0.001, 0.0, 0.001, 0.02}) {
-          const double by = scale * (1 + around);
+          const double by = exp2(half_level / 2.0) * (1 + around);
           draw(map, {0.6 * by, -0.8 * by, 7.3, 0.8 * by, 0.6 * by, 20.6, 0, 0, 1});
         }
       draw(map, {1.3, 0.7, 10.4, 0, 0, 3.2, 0, 0, 1});
       draw(map, {0, 3.3, 10.4, 0, 2.1, 3.2, 0, 0, 1});
-      draw(map, {0, 0, 10.4, 0, 0, 3.2, 0, 0, 1});
+      draw(map, {0, 0, 10.4, 0, 0, 3.2, 0, 0, 1}, 8);  // of one row of spans, which is not drawn as scaled
       draw(map, {80, -30, 1040, 30, 80, 320, 0, 0, 100});
     }
 }

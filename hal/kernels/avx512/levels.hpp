@@ -35,8 +35,8 @@ SPANTEX_INLINE v16 lengths_of(const batch& b, int k) {
                    _mm512_sub_epi64(set(b.v_y[k]), along_v), set32(more_of_level - b.exponent[k] * (1 << 16)));
 }
 
-// Settled levels of eight spans whose pixels have one each: where w is constant, so are rows' and columns' lengths.
-SPANTEX_INLINE __m256i levels_of_flat(const batch& b, int32_t last_level) {
+// Settled levels of eight spans of a plane that faces the viewer: rows are of one length, and columns, so that a span's pixels have one level.
+SPANTEX_INLINE __m256i levels_of_facing(const batch& b, int32_t last_level) {
   const auto of = [](const int64_t (&x)[batch_size]) SPANTEX_INLINED { return _mm512_load_si512(x); };
   const v16 exponents = _mm512_broadcast_i64x4(got(b.exponent)), more = _mm512_sub_epi32(of32<more_of_level>(), _mm512_slli_epi32(exponents, 16));
   const v16 lengths = lengths16(of(b.u_x), of(b.v_x), of(b.u_y), of(b.v_y), more), longest = _mm512_max_epi32(lengths, _mm512_shuffle_i64x2(lengths, lengths, 0x4E));

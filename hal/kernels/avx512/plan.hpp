@@ -12,7 +12,8 @@ SPANTEX_INLINE v8 modulo(v8 base, int32_t period) {
   return _mm512_sub_epi64(shifted, _mm512_mullo_epi64(times, set(period)));
 }
 
-// A plan in parts, each a short chain of dependent operations: processors look ahead by some hundred operations alone. Flat: W is constant, and so is what follows from it alone.
+// A plan in parts, each a short chain of dependent operations: processors look ahead by some hundred operations alone. Facing: W is constant, the plane faces the viewer, and what follows
+// from W alone is known.
 
 // What the inverse of W begins with.
 SPANTEX_INLINE void start_inverse(setup& s) {
@@ -26,7 +27,7 @@ SPANTEX_INLINE void start_inverse(setup& s) {
 SPANTEX_INLINE void plan_inverse(setup& s) { s.inverse.y = newton8(s.mantissa, s.seed); }
 
 // reference_at() of eight spans from sx.
-template <bool Flat>
+template <bool Facing>
 SPANTEX_INLINE void plan_start(const row_work& work, const batch_steps& steps, int32_t sx, setup& s) {
   const plane& p = *work.map;
   const int32_t cx = 2 * span_side * sx + span_side, cy = 2 * span_side * work.sy + span_side;
@@ -36,7 +37,7 @@ SPANTEX_INLINE void plan_start(const row_work& work, const batch_steps& steps, i
   s.usable = _mm512_cmpgt_epi64_mask(s.w, _mm512_setzero_si512());
   const uint64_t slope = 7 * (magnitude(p.w.x) + magnitude(p.w.y));
   s.usable &= _mm512_cmplt_epu64_mask(set(int64_t(slope)), _mm512_sub_epi64(_mm512_srli_epi64(s.w, 1), _mm512_srli_epi64(s.w, 8)));
-  if constexpr (!Flat) start_inverse(s);
+  if constexpr (!Facing) start_inverse(s);
 }
 
 SPANTEX_INLINE void plan_bases(setup& s) {
@@ -45,11 +46,11 @@ SPANTEX_INLINE void plan_bases(setup& s) {
 }
 
 // coordinates_within(): what is left of the numerators, and how far it reaches.
-template <bool Flat>
+template <bool Facing>
 SPANTEX_INLINE void plan_extents(const row_work& work, setup& s) {
   const plane& p = *work.map;
   const auto less = [&](v8 x, v8 base, v8 by) SPANTEX_INLINED { return _mm512_sub_epi64(x, _mm512_mullo_epi64(base, by)); };
-  const auto change = [&](int64_t x, v8 base, int64_t of_w) SPANTEX_INLINED { return Flat ? set(x) : less(set(x), base, set(of_w)); };
+  const auto change = [&](int64_t x, v8 base, int64_t of_w) SPANTEX_INLINED { return Facing ? set(x) : less(set(x), base, set(of_w)); };
   s.c_u = less(s.nu, s.base_u, s.w);
   s.a_u = change(p.u.x, s.base_u, p.w.x);
   s.b_u = change(p.u.y, s.base_u, p.w.y);
@@ -77,10 +78,10 @@ SPANTEX_INLINE void plan_mantissas(setup& s, batch& b) {
 }
 
 // Slopes, and where the map's period lets positions be counted from.
-template <bool Flat>
+template <bool Facing>
 SPANTEX_INLINE void plan_slopes(const row_work& work, setup& s, batch& b) {
   const plane& p = *work.map;
-  if constexpr (!Flat) {
+  if constexpr (!Facing) {
     const int slope_drop = max_of(0, spantex::bit_length(7 * (magnitude(p.w.x) + magnitude(p.w.y))) - 31);
     const v8 slope_shift = _mm512_sub_epi64(s.inverse.exponent, set(slope_drop + q.reciprocal_bits - 63));
     s.g = quotient8(set(p.w.x), set(slope_drop), s.inverse.y, slope_shift);
@@ -139,7 +140,7 @@ SPANTEX_INLINE void plan_places(const row_work& work, const setup& s, batch& b) 
   }
 }
 
-// choose_evaluation() where nothing is divided, of filters that take slopes for nothing else.
+// choose_evaluation() where nothing is divided; nearest takes slopes for nothing else.
 SPANTEX_INLINE void plan_affine(setup& s, batch& b) {
   s.affine_log2 = _mm512_add_epi64(s.extent_log2, of64<least_slope_log2 + 1>());
   keep(b.affine_log2, s.affine_log2);
@@ -148,17 +149,18 @@ SPANTEX_INLINE void plan_affine(setup& s, batch& b) {
 }
 
 constexpr int plan_parts = 7;
-template <filter Kind, bool Flat = false>
+template <filter Kind, bool Facing = false>
 SPANTEX_INLINE void plan_part(int k, const row_work& work, const batch_steps& steps, setup& s, batch& b) {
+  static_assert(!Facing || Kind == filter::nearest);
   switch (k) {
-    case 0: return plan_start<Flat>(work, steps, b.sx, s);
-    case 1: if constexpr (!Flat) plan_inverse(s); return;
+    case 0: return plan_start<Facing>(work, steps, b.sx, s);
+    case 1: if constexpr (!Facing) plan_inverse(s); return;
     case 2: return plan_bases(s);
-    case 3: return plan_extents<Flat>(work, s);
+    case 3: return plan_extents<Facing>(work, s);
     case 4: return plan_mantissas<Kind>(s, b);
     case 5:
-      plan_slopes<Flat>(work, s, b);
-      if constexpr (Flat) plan_affine(s, b);
+      plan_slopes<Facing>(work, s, b);
+      if constexpr (Facing) plan_affine(s, b);
       else plan_evaluation<Kind>(s, b);
       return;
     default: return plan_places<Kind>(work, s, b);

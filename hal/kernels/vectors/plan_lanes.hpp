@@ -47,8 +47,9 @@ class planner {
     if (slope == 0) invert(w_, w_bits_, y_);
   }
 
-  SPANTEX_INLINE void next(int count, span_coefficients* c, bool* usable) { is_flat() ? plan<true>(count, c, usable) : plan<false>(count, c, usable); }
-  SPANTEX_INLINE void skip(int count) {  // a multiple of wide_lanes, or no more follow
+  // count: a multiple of wide_lanes, or no more follow.
+  SPANTEX_INLINE void next(int count, span_coefficients* c, bool* usable) { faces_the_viewer() ? plan<true>(count, c, usable) : plan<false>(count, c, usable); }
+  SPANTEX_INLINE void skip(int count) {
     w_ += 2 * span_side * count * plane_.w.x;
     u_ += 2 * span_side * count * plane_.u.x;
     v_ += 2 * span_side * count * plane_.v.x;
@@ -62,23 +63,24 @@ class planner {
   };
 
   // Step by step for several groups of lanes: a plan is one chain of dependent operations, and two of them take little longer than one.
-  template <bool Flat>
+  template <bool Facing>
   SPANTEX_INLINE void plan(int count, span_coefficients* c, bool* usable) {
     for (int k = 0; k < count; k += planned_at_once * wide_lanes) {
       group groups[planned_at_once];
+      const int wanted = min_of(planned_at_once, (count - k + wide_lanes - 1) / wide_lanes);
       const auto each = [&](auto&& step) SPANTEX_INLINED {
 #pragma GCC unroll 2
-        for (int n = 0; n < planned_at_once; ++n) step(groups[n], k + n * wide_lanes);
+        for (int n = 0; n < wanted; ++n) step(groups[n], k + n * wide_lanes);
       };
-      each([&](group& g, int) SPANTEX_INLINED { begin<Flat>(g); });
+      each([&](group& g, int) SPANTEX_INLINED { begin<Facing>(g); });
       each([&](group& g, int) SPANTEX_INLINED { find_bases(g); });
-      each([&](group& g, int) SPANTEX_INLINED { find_extents<Flat>(g); });
-      each([&](group& g, int) SPANTEX_INLINED { choose_evaluation<Flat>(g); });
+      each([&](group& g, int) SPANTEX_INLINED { find_extents<Facing>(g); });
+      each([&](group& g, int) SPANTEX_INLINED { find_slopes<Facing>(g); });
       each([&](group& g, int first) SPANTEX_INLINED { put(g, c + first, usable + first); });
     }
   }
 
-  template <bool Flat>
+  template <bool Facing>
   SPANTEX_INLINE void begin(group& s) {
     const plane& p = plane_;
     s.w = w_;
@@ -89,7 +91,7 @@ class planner {
     u_ += across * p.u.x;
     v_ += across * p.v.x;
     s.in = (s.w > 0) & (all(slope_) < (s.w >> 1) - (s.w >> 8));
-    if constexpr (Flat) {
+    if constexpr (Facing) {
       s.w_bits = w_bits_;
       s.y = y_;
     } else {
@@ -98,7 +100,7 @@ class planner {
   }
 
   // W is constant, and so is what follows from it alone.
-  SPANTEX_INLINE bool is_flat() const { return slope_ == 0; }
+  SPANTEX_INLINE bool faces_the_viewer() const { return slope_ == 0; }
 
   SPANTEX_INLINE static void invert(v_s64 w, v_s64& bits, v_64& y) {
     bits = bit_lengths(w);
@@ -117,7 +119,7 @@ class planner {
   }
 
   // coordinates_within()
-  template <bool Flat>
+  template <bool Facing>
   SPANTEX_INLINE void find_extents(group& s) const {
     const plane& p = plane_;
     s.c_u = s.nu - times_bases(s.w, s.base_u);
@@ -126,7 +128,7 @@ class planner {
     s.b_u = all(p.u.y);
     s.a_v = all(p.v.x);
     s.b_v = all(p.v.y);
-    if constexpr (!Flat) {
+    if constexpr (!Facing) {
       s.a_u -= times_bases(all(p.w.x), s.base_u);
       s.b_u -= times_bases(all(p.w.y), s.base_u);
       s.a_v -= times_bases(all(p.w.x), s.base_v);
@@ -141,12 +143,13 @@ class planner {
     s.shift = s.y_exponent() + 63 - s.drop - s.exponent;
   }
 
-  template <bool Flat>
-  SPANTEX_INLINE void choose_evaluation(group& s) const {
+  // And the evaluation that they allow: choose_evaluation().
+  template <bool Facing>
+  SPANTEX_INLINE void find_slopes(group& s) const {
     const plane& p = plane_;
     s.g = s.h = s.terms = all(0);
     s.slope_log2 = all(least_slope_log2);
-    if constexpr (!Flat) {
+    if constexpr (!Facing) {
       const v_s64 slope_shift = s.y_exponent() + (63 - slope_drop_ - q.reciprocal_bits);
       s.g = quotients(all(p.w.x), all(slope_drop_), s.y, slope_shift);
       s.h = quotients(all(p.w.y), all(slope_drop_), s.y, slope_shift);
@@ -164,6 +167,7 @@ class planner {
     }
   }
 
+  // Mantissas, and all of it to its spans.
   SPANTEX_INLINE static void put(const group& s, span_coefficients* c, bool* usable) {
     const auto mantissa = [&](v_s64 n) SPANTEX_INLINED { return quotients(n, s.drop, s.y, s.shift); };
     const v_s64 fields[] = {s.base_u, s.base_v, mantissa(s.c_u), mantissa(s.a_u), mantissa(s.b_u), mantissa(s.c_v), mantissa(s.a_v), mantissa(s.b_v), s.g, s.h, s.exponent, s.slope_log2, s.terms, s.in};

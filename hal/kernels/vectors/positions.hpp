@@ -143,8 +143,8 @@ static_assert(q.offset_bits - 1 - max_extent_log2 - q.coordinate_bits + q.recipr
   }
 }
 
-// Where w is constant, rows are of one length, and columns: the pixels have one level.
-[[gnu::noinline]] void find_flat_positions(const span_coefficients& c, span_positions& out) {
+// Where slopes are zero, rows are of one length, and columns: the pixels have one level.
+[[gnu::noinline]] void find_facing_positions(const span_coefficients& c, span_positions& out) {
   find_positions<0, false>(c, out);
   const v level = detail_of(set(max_of(c.level_row[0], c.level_column[0]) * 64), int32_t(c.last_level) << q.level_bits);
 #pragma GCC unroll 8
@@ -155,7 +155,7 @@ template <bool Levels>
 SPANTEX_INLINE void find_positions(const span_coefficients& c, span_positions& out) {
   out.base_u = c.base_u * (1 << q.coordinate_bits);
   out.base_v = c.base_v * (1 << q.coordinate_bits);
-  if (Levels && c.g == 0 && c.h == 0) return find_flat_positions(c, out);
+  if (Levels && c.g == 0 && c.h == 0) return find_facing_positions(c, out);
   switch (c.how == evaluation::affine ? 0 : c.how == evaluation::series ? c.terms : -1) {
     case 0: find_positions<0, Levels>(c, out); break;
     case 1: find_positions<1, Levels>(c, out); break;
