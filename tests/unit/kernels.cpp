@@ -84,7 +84,7 @@ SPANTEX_CASE(turned_planes_between_levels) {
 // of 2^(k + 1/2) whole, as the bias is a half. Rows of pixels longer on the map than columns, and shorter; planes that do not grow one way, or at all.
 SPANTEX_CASE(turned_planes_that_face_the_viewer) {
   static constexpr int32_t sides[][2] = {{512, 512}, {40, 24}, {500, 375}};
-  const auto draw = [](const ready_map& map, const double (&m)[9], int32_t height = 72) {
+  const auto draw = [](const ready_map& map, const double (&m)[9], int32_t height = 24) {
     const rectangle area{0, 0, 96, height};
     plane p{};
     SPANTEX_ASSERT_OK(make_plane(homography_of(m), area, p));
@@ -95,10 +95,10 @@ SPANTEX_CASE(turned_planes_that_face_the_viewer) {
   for (const auto& side : sides)
     for (const wrap w : wraps) {
       const ready_map map(random_map(side[0], side[1]), w);
-      for (double scale = 0.3; scale < 700; scale *= short_run() ? 1.4 : 1.03)
+      for (double scale = 0.3; scale < 700; scale *= short_run() ? 1.9 : 1.1)
         for (const double stretch : {1.0, 0.4, 2.5}) draw(map, {0.866 * scale, -0.5 * stretch * scale, -100, 0.5 * scale, 0.866 * stretch * scale, 20, 0, 0, stretch * 1.7});
       for (int half_level = -2; half_level <= 20; ++half_level)
-        for (const double around : {-0.02, -0.001, 0.0, 0.001, 0.02}) {
+        for (const double around : {-0.001, 0.0, 0.001}) {
           const double by = exp2(half_level / 2.0) * (1 + around);
           draw(map, {0.6 * by, -0.8 * by, 7.3, 0.8 * by, 0.6 * by, 20.6, 0, 0, 1});
         }
