@@ -3,7 +3,7 @@
 #pragma once
 
 constexpr int wide_lanes = width / 2;
-constexpr int planned_at_once = wide_lanes == 4 ? 2 : 1;  // groups of lanes; side by side, two of NEON would take more instructions
+constexpr int planned_at_once = wide_lanes == 4 ? 2 : 1;  // groups of lanes; two save time, but no instructions, which NEON's promise counts
 static_assert(batch % (planned_at_once * wide_lanes) == 0);
 
 SPANTEX_INLINE v_s64 all(int64_t x) { return v_s64{} + x; }
@@ -193,7 +193,7 @@ class planner {
 
   const plane& plane_;
   v_s64 w_, u_, v_;  // of the next spans' centres
-  v_s64 w_bits_{};     // where W is constant
+  v_s64 w_bits_{};   // where W is constant: invert()
   v_64 y_{};
   int64_t slope_;
   int slope_drop_;
