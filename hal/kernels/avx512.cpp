@@ -41,6 +41,7 @@ namespace {
 #include "avx512/sections.hpp"
 #include "avx512/filters.hpp"
 #include "avx512/spans.hpp"
+#include "avx512/affine.hpp"
 #include "avx512/by_level.hpp"
 #include "avx512/upright.hpp"
 #include "avx512/aniso.hpp"
@@ -115,7 +116,7 @@ class batch_order {
 };
 
 // The batch from span `first` of the row on, planned in parts, between which there is something else to do.
-template <filter Kind, bool Facing = false>
+template <filter Kind>
 struct next_batch {
   const row_work& work;
   const batch_steps& steps;
@@ -129,7 +130,7 @@ struct next_batch {
       b.sx = work.sx + first;
       b.first = first;
     }
-    plan_part<Kind, Facing>(k, work, steps, s, b);
+    plan_part<Kind>(k, work, steps, s, b);
   }
   SPANTEX_INLINE void all() {
     for (int k = 0; k < plan_parts; ++k) part(k);
@@ -269,22 +270,16 @@ void draw_batches(const row_work& work, plans_of_left<Kind>& left) {
 
 // Spans of nearest are shorter than what a plan's parts would leave to each other in memory. Two batches are planned side by side instead: a plan is one chain of
 // dependent operations, and two of them take little longer than one.
-template <bool Gathers, bool Facing>
+template <bool Gathers>
 void draw_row_of_nearest(const row_work& work) {
   constexpr int pair = 2;
   constexpr int soon = 3;  // spans ahead: its lower half is prefetched; what lies above that the row of spans before has read
   const batch_steps steps(*work.map);
   batch two[2][pair];
   setup s[pair];
-  if constexpr (Facing) {
-    s[0].w = set(work.map->w.c);
-    start_inverse(s[0]);
-    plan_inverse(s[0]);
-    s[1] = s[0];
-  }
   const auto plan = [&](int first, batch (&to)[pair]) {
     for (int k = 0; k < plan_parts; ++k)
-      for (int n = 0; n < pair; ++n) next_batch<filter::nearest, Facing>{work, steps, s[n], first + n * batch_size, to[n]}.part(k);
+      for (int n = 0; n < pair; ++n) next_batch<filter::nearest>{work, steps, s[n], first + n * batch_size, to[n]}.part(k);
   };
   plan(0, two[0]);
   for (int first = 0, turn = 0; first < work.count; first += pair * batch_size, turn ^= 1) {
@@ -303,9 +298,13 @@ void draw_row_of_nearest(const row_work& work) {
 
 template <filter Kind, bool Gathers>
 void draw_row_by_blocks(const row_work& work, plans_of_left<Kind>& left) {
-  if constexpr (Kind == filter::nearest) faces_the_viewer(work) ? draw_row_of_nearest<Gathers, true>(work) : draw_row_of_nearest<Gathers, false>(work);
-  else if (work.texels->opaque()) draw_batches<Kind, 3>(work, left);
-  else draw_batches<Kind, 4>(work, left);
+  if constexpr (Kind == filter::nearest) {
+    if (!draw_affine_row<Gathers>(work)) draw_row_of_nearest<Gathers>(work);
+  } else if (work.texels->opaque()) {
+    draw_batches<Kind, 3>(work, left);
+  } else {
+    draw_batches<Kind, 4>(work, left);
+  }
 }
 
 // What local memory does not hold is drawn from the map's rows.

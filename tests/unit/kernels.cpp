@@ -109,6 +109,37 @@ SPANTEX_CASE(turned_planes_that_face_the_viewer) {
     }
 }
 
+// What rows of such planes have in common (nearest): spans' centres on texels' borders, where the division says which texel is the nearest; next to the last that are near; sections of
+// one to eight rows of texels, which spans, halves of spans, quads share; parts of spans, of texels that no section holds too.
+SPANTEX_CASE(turned_planes_by_nearest) {
+  const auto draw = [](const ready_map& map, const double (&m)[9], rectangle area = {0, 0, 200, 8}) {
+    plane p{};
+    SPANTEX_ASSERT_OK(make_plane(homography_of(m), area, p));
+    draw_all(p, map, filter::nearest, area, 200, 24, 0);
+  };
+  for (const wrap w : wraps) {
+    const ready_map map(random_map(512, 512), w), other(random_map(24, 40), w);
+    for (const double side : {0.5, 0.75, 1.25, 2.0, 4.0})
+      for (const double from : {0.0, 0.25, 0.5}) draw(map, {side, -0.5, from, 0.5, side, from - 3, 0, 0, 1});
+    for (const double far : {8000.0, 16300.0, 16383.5, 16384.5, 20000.0})
+      for (const double sign : {-1.0, 1.0}) draw(map, {0.8, -0.3, sign * far, 0.3, 0.8, -sign * far, 0, 0, 1});
+    for (double degrees = 1; degrees < 90; degrees += short_run() ? 22 : 4)
+      for (double scale = 0.03; scale < 3; scale *= 1.15) {
+        const double x = scale * cos(degrees * 3.14159265358979 / 180), y = scale * sin(degrees * 3.14159265358979 / 180);
+        draw(map, {x, -y, 3.7, y, x, 2.3, 0, 0, 1});
+        draw(other, {x, y, 300, y, -x, -400, 0, 0, 1}, {3, 5, 187, 22});
+      }
+  }
+  // u of a span's centre is so little below -m - 1/2 that its division takes -m; a pixel next to it lies between two steps of coordinate_bits at a texel's border.
+  const ready_map map(random_map(512, 512), wrap::repeat);
+  for (const int32_t m : {8192, 10923, 12345, 14999, 16383})
+    for (const int below : {18, 19, 20, 21, 22})
+      for (int rest = 26; rest <= 34; ++rest) {
+        const double little = exp2(-below), slope = 1 - 2 * (exp2(-17) - little);
+        draw(map, {slope, 0, -m - 0.5 - little - exp2(-rest) - 68 * slope, 1, 1, 3.2, 0, 0, 1});  // of the ninth span
+      }
+}
+
 // A wall to the side, minified across: quads that reach more than eight rows of a span's second level too.
 SPANTEX_CASE(walls_to_the_side) {
   const double m[9] = {1.913, 0.307, 101.7, -0.211, 1.297, 702.3, 0.00115, 0.0001, 0.253};
@@ -430,6 +461,7 @@ int main() {
       cmocka_unit_test(minified_planes),
       cmocka_unit_test(turned_planes_between_levels),
       cmocka_unit_test(turned_planes_that_face_the_viewer),
+      cmocka_unit_test(turned_planes_by_nearest),
       cmocka_unit_test(walls_to_the_side),
       cmocka_unit_test(sheared_and_magnified_planes),
       cmocka_unit_test(spans_of_four_to_nine_texels),

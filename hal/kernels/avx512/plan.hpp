@@ -12,22 +12,9 @@ SPANTEX_INLINE v8 modulo(v8 base, int32_t period) {
   return _mm512_sub_epi64(shifted, _mm512_mullo_epi64(times, set(period)));
 }
 
-// A plan in parts, each a short chain of dependent operations: processors look ahead by some hundred operations alone. Facing: W is constant, the plane faces the viewer, and what follows
-// from W alone is known.
-
-// What the inverse of W begins with.
-SPANTEX_INLINE void start_inverse(setup& s) {
-  const v8 zeros = _mm512_lzcnt_epi64(s.w);
-  s.w_bits = _mm512_sub_epi64(of64<64>(), zeros);
-  s.inverse.exponent = _mm512_sub_epi64(of64<32>(), zeros);
-  s.mantissa = _mm512_srli_epi64(_mm512_sllv_epi64(s.w, zeros), 32);
-  s.seed = reciprocal_seeds16(s.mantissa);
-}
-
-SPANTEX_INLINE void plan_inverse(setup& s) { s.inverse.y = newton8(s.mantissa, s.seed); }
-
-// reference_at() of eight spans from sx.
-template <bool Facing>
+// A plan in parts, each a short chain of dependent operations: processors look ahead by some hundred operations alone.
+//
+// reference_at() of eight spans from sx: W, and what its inverse begins with.
 SPANTEX_INLINE void plan_start(const row_work& work, const batch_steps& steps, int32_t sx, setup& s) {
   const plane& p = *work.map;
   const int32_t cx = 2 * span_side * sx + span_side, cy = 2 * span_side * work.sy + span_side;
@@ -37,8 +24,14 @@ SPANTEX_INLINE void plan_start(const row_work& work, const batch_steps& steps, i
   s.usable = _mm512_cmpgt_epi64_mask(s.w, _mm512_setzero_si512());
   const uint64_t slope = 7 * (magnitude(p.w.x) + magnitude(p.w.y));
   s.usable &= _mm512_cmplt_epu64_mask(set(int64_t(slope)), _mm512_sub_epi64(_mm512_srli_epi64(s.w, 1), _mm512_srli_epi64(s.w, 8)));
-  if constexpr (!Facing) start_inverse(s);
+  const v8 zeros = _mm512_lzcnt_epi64(s.w);
+  s.w_bits = _mm512_sub_epi64(of64<64>(), zeros);
+  s.inverse.exponent = _mm512_sub_epi64(of64<32>(), zeros);
+  s.mantissa = _mm512_srli_epi64(_mm512_sllv_epi64(s.w, zeros), 32);
+  s.seed = reciprocal_seeds16(s.mantissa);
 }
+
+SPANTEX_INLINE void plan_inverse(setup& s) { s.inverse.y = newton8(s.mantissa, s.seed); }
 
 SPANTEX_INLINE void plan_bases(setup& s) {
   s.base_u = whole_quotient8(s.nu, s.w_bits, s.inverse, s.usable);
@@ -46,17 +39,16 @@ SPANTEX_INLINE void plan_bases(setup& s) {
 }
 
 // coordinates_within(): what is left of the numerators, and how far it reaches.
-template <bool Facing>
 SPANTEX_INLINE void plan_extents(const row_work& work, setup& s) {
   const plane& p = *work.map;
-  const auto less = [&](v8 x, v8 base, v8 by) SPANTEX_INLINED { return _mm512_sub_epi64(x, _mm512_mullo_epi64(base, by)); };
-  const auto change = [&](int64_t x, v8 base, int64_t of_w) SPANTEX_INLINED { return Facing ? set(x) : less(set(x), base, set(of_w)); };
+  const v8 gx = set(p.w.x), gy = set(p.w.y);
+  const auto less = [&](v8 x, v8 base, v8 by) { return _mm512_sub_epi64(x, _mm512_mullo_epi64(base, by)); };
   s.c_u = less(s.nu, s.base_u, s.w);
-  s.a_u = change(p.u.x, s.base_u, p.w.x);
-  s.b_u = change(p.u.y, s.base_u, p.w.y);
+  s.a_u = less(set(p.u.x), s.base_u, gx);
+  s.b_u = less(set(p.u.y), s.base_u, gy);
   s.c_v = less(s.nv, s.base_v, s.w);
-  s.a_v = change(p.v.x, s.base_v, p.w.x);
-  s.b_v = change(p.v.y, s.base_v, p.w.y);
+  s.a_v = less(set(p.v.x), s.base_v, gx);
+  s.b_v = less(set(p.v.y), s.base_v, gy);
   const v8 extent = _mm512_max_epu64(extent_of(s.c_u, s.a_u, s.b_u), extent_of(s.c_v, s.a_v, s.b_v)), extent_bits = bit_length(extent);
   s.extent_log2 = _mm512_add_epi64(_mm512_sub_epi64(extent_bits, s.w_bits), of64<1>());
   s.usable &= _mm512_cmple_epi64_mask(s.extent_log2, of64<max_extent_log2>());
@@ -78,15 +70,12 @@ SPANTEX_INLINE void plan_mantissas(setup& s, batch& b) {
 }
 
 // Slopes, and where the map's period lets positions be counted from.
-template <bool Facing>
 SPANTEX_INLINE void plan_slopes(const row_work& work, setup& s, batch& b) {
   const plane& p = *work.map;
-  if constexpr (!Facing) {
-    const int slope_drop = max_of(0, spantex::bit_length(7 * (magnitude(p.w.x) + magnitude(p.w.y))) - 31);
-    const v8 slope_shift = _mm512_sub_epi64(s.inverse.exponent, set(slope_drop + q.reciprocal_bits - 63));
-    s.g = quotient8(set(p.w.x), set(slope_drop), s.inverse.y, slope_shift);
-    s.h = quotient8(set(p.w.y), set(slope_drop), s.inverse.y, slope_shift);
-  }
+  const int slope_drop = max_of(0, spantex::bit_length(7 * (magnitude(p.w.x) + magnitude(p.w.y))) - 31);
+  const v8 slope_shift = _mm512_sub_epi64(s.inverse.exponent, set(slope_drop + q.reciprocal_bits - 63));
+  s.g = quotient8(set(p.w.x), set(slope_drop), s.inverse.y, slope_shift);
+  s.h = quotient8(set(p.w.y), set(slope_drop), s.inverse.y, slope_shift);
   keep(b.origin_u, s.base_u); keep(b.origin_v, s.base_v);
   keep(b.base_u, modulo(s.base_u, work.texels->period_u())); keep(b.base_v, modulo(s.base_v, work.texels->period_v()));
   if (p.rounding_bits == 0) return;
@@ -140,29 +129,16 @@ SPANTEX_INLINE void plan_places(const row_work& work, const setup& s, batch& b) 
   }
 }
 
-// choose_evaluation() where nothing is divided; nearest takes slopes for nothing else.
-SPANTEX_INLINE void plan_affine(setup& s, batch& b) {
-  s.affine_log2 = _mm512_add_epi64(s.extent_log2, of64<least_slope_log2 + 1>());
-  keep(b.affine_log2, s.affine_log2);
-  put(b.terms, _mm256_setzero_si256());
-  b.usable = s.usable;
-}
-
 constexpr int plan_parts = 7;
-template <filter Kind, bool Facing = false>
+template <filter Kind>
 SPANTEX_INLINE void plan_part(int k, const row_work& work, const batch_steps& steps, setup& s, batch& b) {
-  static_assert(!Facing || Kind == filter::nearest);
   switch (k) {
-    case 0: return plan_start<Facing>(work, steps, b.sx, s);
-    case 1: if constexpr (!Facing) plan_inverse(s); return;
+    case 0: return plan_start(work, steps, b.sx, s);
+    case 1: return plan_inverse(s);
     case 2: return plan_bases(s);
-    case 3: return plan_extents<Facing>(work, s);
+    case 3: return plan_extents(work, s);
     case 4: return plan_mantissas<Kind>(s, b);
-    case 5:
-      plan_slopes<Facing>(work, s, b);
-      if constexpr (Facing) plan_affine(s, b);
-      else plan_evaluation<Kind>(s, b);
-      return;
+    case 5: plan_slopes(work, s, b); return plan_evaluation<Kind>(s, b);
     default: return plan_places<Kind>(work, s, b);
   }
 }

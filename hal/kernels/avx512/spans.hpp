@@ -86,19 +86,48 @@ struct texel_rows {
   SPANTEX_INLINE v16 at(v16 index) const {
     const v16 upper_rows = _mm512_permutex2var_epi32(two[0], index, two[1]);
     if constexpr (Rows == 4) return upper_rows;
+    else if constexpr (Rows == 6) return _mm512_mask_permutexvar_epi32(upper_rows, _mm512_test_epi32_mask(index, of32<32>()), index, two[2]);
     else return _mm512_mask_mov_epi32(upper_rows, _mm512_test_epi32_mask(index, of32<32>()), _mm512_permutex2var_epi32(two[2], index, two[3]));
   }
 };
 
-// Texels of a quad's pixels, wherever they lie.
-template <bool Gathers>
-SPANTEX_INLINE v16 texels_beyond(const planar_map& map, const positions& p) {
-  const v16 half = set32(int32_t(p.half)), bits = set32(p.bits);
-  const auto texel = [&](v16 offset, int32_t base) SPANTEX_INLINED { return _mm512_add_epi32(_mm512_srav_epi32(_mm512_add_epi32(offset, half), bits), set32(base)); };
-  const v16 x = wrapped16(texel(p.u, p.base_u), map.width(), map.wrap_u()), y = wrapped16(texel(p.v, p.base_v), map.height(), map.wrap_v());
-  alignas(64) uint32_t at[span_pixel_count / quads];
-  _mm512_store_si512(at, _mm512_add_epi32(_mm512_mullo_epi32(y, set32(map.row_stride())), x));
-  return texels_from<Gathers>(map.row(0), at);
+// Where in 8x8 texels those of a quad's pixels lie: offsets from the first, and their bits of fraction; of v less three, so that a row is 8 texels.
+SPANTEX_INLINE v16 place_in_rows(v16 u, v16 v, v16 column_bits, v16 row_bits) {
+  return _mm512_ternarylogic_epi32(_mm512_srlv_epi32(v, row_bits), _mm512_srlv_epi32(u, column_bits), of32<block_side - 1>(), 0xD8);
+}
+
+// A span whose texels lie anywhere; quad(n): where the n-th quad's do. Whole spans are moved texel by texel, and not through registers, but where gathers are fast.
+template <bool Gathers, cut How>
+SPANTEX_INLINE void draw_beyond(const row_work& work, int32_t sx, span_mask mask, auto&& quad) {
+  const planar_map& map = *work.texels;
+  alignas(64) uint32_t at[quads][span_pixel_count / quads];
+#pragma GCC unroll 4
+  for (int n = 0; n < quads; ++n) {
+    const positions p = quad(n);
+    const v16 half = set32(int32_t(p.half)), bits = set32(p.bits);
+    const auto texel = [&](v16 offset, int32_t base) SPANTEX_INLINED { return _mm512_add_epi32(_mm512_srav_epi32(_mm512_add_epi32(offset, half), bits), set32(base)); };
+    const v16 x = wrapped16(texel(p.u, p.base_u), map.width(), map.wrap_u()), y = wrapped16(texel(p.v, p.base_v), map.height(), map.wrap_v());
+    _mm512_store_si512(at[n], _mm512_add_epi32(_mm512_mullo_epi32(y, set32(map.row_stride())), x));
+  }
+  const rgba8* const from = map.row(0);
+  if (!Gathers && mask == ~span_mask(0)) {
+    rgba8* row = first_of_span(work, sx);
+#pragma GCC unroll 8
+    for (int y = 0; y < span_side; ++y, row += work.stride)
+#pragma GCC unroll 4
+      for (int x = 0; x < span_side; x += 2) {
+        const uint32_t* const of = How == cut::flat ? at[y / 2] + y % 2 * span_side + x : at[y / quad_side * 2 + x / quad_side] + y % quad_side * quad_side + x % quad_side;
+        uint64_t two;
+        __builtin_memcpy(&two, of, sizeof two);
+        __builtin_memcpy(row + x, from + uint32_t(two), sizeof(rgba8));
+        __builtin_memcpy(row + x + 1, from + (two >> 32), sizeof(rgba8));
+      }
+    return;
+  }
+  v16 out[quads];
+#pragma GCC unroll 4
+  for (int n = 0; n < quads; ++n) out[n] = texels_from<Gathers>(from, at[n]);
+  write(work, sx, mask, out, How);
 }
 
 // soon: the first texel, in the map's rows, of eight rows that a span after this one takes; they are prefetched, but where quads have one section and rows are few.
@@ -106,33 +135,26 @@ template <bool Gathers>
 SPANTEX_INLINE void draw_nearest(const row_work& work, const batch& b, int k, int32_t soon) {
   const planar_map& map = *work.texels;
   offsets o = offsets_of<forms_first>(b, k);
+  if (!(b.placed >> k & 1)) [[unlikely]] return draw_beyond<Gathers, cut::square>(work, b.sx + k, work.masks[b.first + k], [&](int n) SPANTEX_INLINED { return positions_of(b, k, o, n); });
   v16 out[quads];
-  if (b.placed >> k & 1) {
-    const v16 column_bits = set32(b.column_bits[k]), row_bits = set32(b.row_bits[k]), across = of32<block_side - 1>();
-    keep_bits(b, k, o);
-    const auto index = [&](int n, v16 from_u, v16 from_v) SPANTEX_INLINED {
-      const v16 u = _mm512_srlv_epi32(_mm512_add_epi32(o.u[n], from_u), column_bits), v = _mm512_srlv_epi32(_mm512_add_epi32(o.v[n], from_v), row_bits);
-      return _mm512_ternarylogic_epi32(v, u, across, 0xD8);
-    };
-    const auto rows = [&]<int Rows>(int n) SPANTEX_INLINED { return texel_rows<Rows>(map.row(0) + b.row_at[n][k], map.row_stride()); };
-    const auto from_one = [&]<int Rows>() SPANTEX_INLINED {
-      const texel_rows<Rows> texels = rows.template operator()<Rows>(0);
-      const v16 from_u = set32(b.from[0][0][k]), from_v = set32(b.from[0][1][k]);
+  const v16 column_bits = set32(b.column_bits[k]), row_bits = set32(b.row_bits[k]);
+  keep_bits(b, k, o);
+  const auto index = [&](int n, v16 from_u, v16 from_v) SPANTEX_INLINED { return place_in_rows(_mm512_add_epi32(o.u[n], from_u), _mm512_add_epi32(o.v[n], from_v), column_bits, row_bits); };
+  const auto rows = [&]<int Rows>(int n) SPANTEX_INLINED { return texel_rows<Rows>(map.row(0) + b.row_at[n][k], map.row_stride()); };
+  const auto from_one = [&]<int Rows>() SPANTEX_INLINED {
+    const texel_rows<Rows> texels = rows.template operator()<Rows>(0);
+    const v16 from_u = set32(b.from[0][0][k]), from_v = set32(b.from[0][1][k]);
 #pragma GCC unroll 4
-      for (int n = 0; n < quads; ++n) out[n] = texels.at(index(n, from_u, from_v));
-    };
-    if (b.together >> k & 1) [[unlikely]] {  // where it is likely, it is all along
-      b.few_rows >> k & 1 ? from_one.template operator()<4>() : from_one.template operator()<8>();
-    } else {
-      const rgba8* const then = map.row(0) + soon;
-#pragma GCC unroll 8
-      for (int y = 0; y < block_side; ++y) _mm_prefetch(reinterpret_cast<const char*>(then + y * map.row_stride()), _MM_HINT_T0);
-#pragma GCC unroll 4
-      for (int n = 0; n < quads; ++n) out[n] = rows.template operator()<8>(n).at(index(n, set32(b.from[n][0][k]), set32(b.from[n][1][k])));
-    }
+    for (int n = 0; n < quads; ++n) out[n] = texels.at(index(n, from_u, from_v));
+  };
+  if (b.together >> k & 1) [[unlikely]] {  // where it is likely, it is all along
+    b.few_rows >> k & 1 ? from_one.template operator()<4>() : from_one.template operator()<8>();
   } else {
+    const rgba8* const then = map.row(0) + soon;
+#pragma GCC unroll 8
+    for (int y = 0; y < block_side; ++y) _mm_prefetch(reinterpret_cast<const char*>(then + y * map.row_stride()), _MM_HINT_T0);
 #pragma GCC unroll 4
-    for (int n = 0; n < quads; ++n) out[n] = texels_beyond<Gathers>(map, positions_of(b, k, o, n));
+    for (int n = 0; n < quads; ++n) out[n] = rows.template operator()<8>(n).at(index(n, set32(b.from[n][0][k]), set32(b.from[n][1][k])));
   }
   write(work, b.sx + k, work.masks[b.first + k], out);
 }

@@ -1,0 +1,259 @@
+// SPDX-License-Identifier: Apache-2.0
+// AVX-512 kernel: nearest of planes that face the viewer, turned and scaled as they like. W is constant: pixels lie as far from their span's centre as in any other span, and nothing
+// is divided from one span to the next. Included by ../avx512.cpp alone.
+#pragma once
+
+// What the spans of a row have in common. The farther a span reaches from the texel that is nearest its centre, the fewer bits of fraction its offsets have: on scale n its
+// numerators have least_bits + n bits.
+struct affine_row {
+  static constexpr int most_scales = 4;
+
+  int64_t w;
+  inverse w_inverse;
+  int64_t reach_u, reach_v;                // numerators of pixels lie so far from their span's centre at most
+  int least_bits, most_fraction, scales;   // bits of fraction on scale 0
+  int sections, texel_rows;                // sections of 8x8 texels: one of a span, two of its upper and lower half, four of its quads, or none; rows of texels that are taken of each
+  alignas(64) int32_t u[most_scales][quads][16], v[most_scales][quads][16];  // from the span's centre to its pixels
+  alignas(64) int32_t least[quads][16];    // of a section: u of every scale in the lower half, v in the upper
+
+  cut quad_kind() const { return sections == quads ? cut::square : cut::flat; }
+};
+
+// Whether W is constant, and texels are neither too near each other nor too far for the lanes below.
+inline bool is_affine_row(const row_work& work, uint64_t reach) {
+  const plane& p = *work.map;
+  if (p.w.x != 0 || p.w.y != 0 || p.w.c <= 0) return false;
+  const int w_bits = spantex::bit_length(uint64_t(p.w.c)), reach_bits = spantex::bit_length(reach);
+  // With 31 bits of fraction, the most, a section of two texels fits 32 bits, and no offset reaches farther. Set-up leaves extents more than 31 bits.
+  if (reach_bits < max_of(31, w_bits - 2) || reach_bits > w_bits + max_extent_log2 - 2) return false;
+  const auto is_near = [&](int32_t sx) {  // bases of all spans have 15 bits
+    const int32_t cx = 2 * span_side * sx + span_side, cy = 2 * span_side * work.sy + span_side;
+    return magnitude(p.value(p.u, cx, cy)) >> 14 < uint64_t(p.w.c) && magnitude(p.value(p.v, cx, cy)) >> 14 < uint64_t(p.w.c);
+  };
+  return rounding_is_small(p, p.w.c, 15) && is_near(work.sx) && is_near(work.sx + work.count - 1);
+}
+
+// False: the row is drawn otherwise.
+inline bool begin_affine(const row_work& work, affine_row& row) {
+  const plane& p = *work.map;
+  const auto reach_of = [](const linear_form& f) { return 7 * (magnitude(f.x) + magnitude(f.y)); };
+  const uint64_t reach_u = reach_of(p.u), reach_v = reach_of(p.v), reach = reach_u > reach_v ? reach_u : reach_v;
+  if (!is_affine_row(work, reach)) return false;
+  row.w = p.w.c;
+  row.w_inverse = invert(row.w);
+  row.reach_u = int64_t(reach_u);
+  row.reach_v = int64_t(reach_v);
+  row.least_bits = spantex::bit_length(reach);
+  row.most_fraction = q.offset_bits - 2 + spantex::bit_length(uint64_t(row.w)) - row.least_bits;
+  row.scales = spantex::bit_length(reach + uint64_t(row.w / 2 + row.w / 1024)) - row.least_bits + 1;
+  if (row.scales > affine_row::most_scales) return false;
+  int32_t u_x[affine_row::most_scales], u_y[affine_row::most_scales], v_x[affine_row::most_scales], v_y[affine_row::most_scales];
+  for (int n = 0; n < row.scales; ++n) {
+    const auto mantissa = [&](int64_t of) { return quotient(of, row.least_bits + n - 31, row.w_inverse, row.most_fraction - n); };
+    u_x[n] = mantissa(p.u.x);
+    u_y[n] = mantissa(p.u.y);
+    v_x[n] = mantissa(p.v.x);
+    v_y[n] = mantissa(p.v.y);
+  }
+  // Texels side by side that width x height pixels need at most.
+  const auto texels = [&](const int32_t* x, const int32_t* y, int width, int height) {
+    int most = 0;
+    for (int n = 0; n < row.scales; ++n) {
+      const uint64_t apart = 2 * (magnitude(x[n]) * uint64_t(width - 1) + magnitude(y[n]) * uint64_t(height - 1)), below_one = (uint64_t(1) << (row.most_fraction - n)) - 1;
+      most = max_of(most, int((apart + below_one) >> (row.most_fraction - n)) + 1);
+    }
+    return most;
+  };
+  const auto hold = [&](int width, int height) {
+    row.texel_rows = texels(v_x, v_y, width, height);
+    return row.texel_rows <= block_side && texels(u_x, u_y, width, height) <= block_side;
+  };
+  row.sections = hold(span_side, span_side) ? 1 : hold(span_side, span_side / 2) ? 2 : hold(quad_side, quad_side) ? quads : 0;
+  const quad_cut& quad = cut_of(row.quad_kind());
+  const auto lanes = [](const int32_t (&across)[quad_side], const int32_t (&down)[quad_side]) {
+    const v16 rows = _mm512_setr_epi32(0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3);
+    return _mm512_add_epi32(_mm512_broadcast_i32x4(four(across)), _mm512_permutexvar_epi32(rows, _mm512_castsi128_si512(four(down))));
+  };
+  const v16 hx = lanes(quad.across.x, quad.down.x), hy = lanes(quad.across.y, quad.down.y);
+  const auto spread = [&](int32_t x, int32_t y, int32_t (&to)[quads][16], int lane) {
+    const auto along = [&](v16 steps_x, v16 steps_y) { return _mm512_add_epi32(_mm512_mullo_epi32(set32(x), steps_x), _mm512_mullo_epi32(set32(y), steps_y)); };
+    v16 of[quads];
+    of[0] = along(hx, hy);
+    of[1] = _mm512_add_epi32(of[0], along(set32(quad.right_x), set32(quad.right_y)));
+    const v16 below = along(set32(quad.below_x), set32(quad.below_y));
+    of[2] = _mm512_add_epi32(of[0], below);
+    of[3] = _mm512_add_epi32(of[1], below);
+    for (int k = 0; k < quads; ++k) _mm512_store_si512(to[k], of[k]);
+    for (int g = 0; g < row.sections; ++g) {
+      v16 least = of[g * quads / row.sections];
+      for (int k = g * quads / row.sections + 1; k < (g + 1) * quads / row.sections; ++k) least = _mm512_min_epi32(least, of[k]);
+      row.least[g][lane] = _mm512_reduce_min_epi32(least);
+    }
+  };
+  for (int n = 0; n < row.scales; ++n) {
+    spread(u_x[n], u_y[n], row.u[n], n);
+    spread(v_x[n], v_y[n], row.v[n], batch_size + n);
+  }
+  return true;
+}
+
+// Eight spans.
+struct alignas(64) affine_batch {
+  int32_t centre[2][batch_size], base[2][batch_size];  // u and v of the span's centre, counted from a texel; the texel, modulo the map's period
+  int32_t fraction[batch_size], scale[batch_size];
+  int32_t from[quads][2][batch_size];                  // leads from a pixel's offset to its texel in a section, rounding included
+  int32_t row_at[quads][batch_size];                   // the section's first texel, in the map's rows
+  uint32_t placed;                                     // bit k: the map holds the sections
+};
+
+// Plans of a row's batches, one after the other. Numerators are counted from the texels that are nearest the spans' centres, from batch to batch by an addition.
+class affine_plan {
+ public:
+  SPANTEX_INLINE affine_plan(const row_work& work, const affine_row& row) : map_(*work.texels), row_(row) {
+    const plane& p = *work.map;
+    const int32_t cx = 2 * span_side * work.sx + span_side, cy = 2 * span_side * work.sy + span_side;
+    const auto begin = [&](const linear_form& f, axis& a) SPANTEX_INLINED {
+      const v8 spans = _mm512_mullo_epi64(_mm512_setr_epi64(0, 1, 2, 3, 4, 5, 6, 7), set(2 * span_side * f.x));
+      divide(_mm512_add_epi64(set(p.value(f, cx, cy)), spans), a);
+      const auto step = int64_t(uint64_t(f.x) * (2 * span_side * batch_size)), whole = step / row.w - (step % row.w < 0);
+      a.texels = _mm256_set1_epi32(int32_t(whole));
+      a.step = set(step - whole * row.w);
+    };
+    begin(p.u, u_);
+    begin(p.v, v_);
+  }
+
+  template <int Sections>
+  SPANTEX_INLINE SPANTEX_WRAPS void next(affine_batch& b) {
+    settle(u_);
+    settle(v_);
+    const v8 far_u = _mm512_abs_epi64(u_.c), far_v = _mm512_abs_epi64(v_.c);
+    const v8 zeros = _mm512_lzcnt_epi64(_mm512_max_epu64(_mm512_add_epi64(far_u, set(row_.reach_u)), _mm512_add_epi64(far_v, set(row_.reach_v))));
+    // quotient8(), whose shift is the same on every scale.
+    constexpr int shift = 64 - q.offset_bits;
+    const v8 drop = _mm512_sub_epi64(of64<64 - 31>(), zeros);
+    const auto mantissa = [&](v8 c, v8 far) SPANTEX_INLINED {
+      const v8 product = _mm512_mul_epu32(_mm512_srlv_epi64(far, drop), set(row_.w_inverse.y)), rounded = _mm512_srli_epi64(_mm512_add_epi64(product, of64<int64_t(1) << (shift - 1)>()), shift);
+      return _mm512_mask_sub_epi64(rounded, _mm512_movepi64_mask(c), _mm512_setzero_si512(), rounded);
+    };
+    const v16 lower = _mm512_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
+    const v16 centre = _mm512_permutex2var_epi32(mantissa(u_.c, far_u), lower, mantissa(v_.c, far_v));
+    const v16 scale = _mm512_sub_epi32(set32(64 - row_.least_bits), _mm512_permutex2var_epi32(zeros, lower, zeros)), fraction = _mm512_sub_epi32(set32(row_.most_fraction), scale);
+    const v16 start = _mm512_add_epi32(centre, _mm512_sllv_epi32(of32<1>(), _mm512_sub_epi32(fraction, of32<q.coordinate_bits + 1>()))), base = bases();
+    _mm512_store_si512(b.centre, centre);
+    _mm512_store_si512(b.base, base);
+    put(b.fraction, _mm512_castsi512_si256(fraction));
+    put(b.scale, _mm512_castsi512_si256(scale));
+    const v16 of_axis = _mm512_add_epi32(scale, both_axes(0, batch_size)), first = of32<-texel_apron>(), last = both_axes(map_.rows_across() + texel_apron - block_side, map_.rows_down() + texel_apron - block_side);
+    __mmask16 held = Sections > 0 ? 0xFFFF : 0;
+#pragma GCC unroll 4
+    for (int g = 0; g < Sections; ++g) {
+      const v16 texel = _mm512_srav_epi32(_mm512_add_epi32(start, _mm512_permutexvar_epi32(of_axis, _mm512_load_si512(row_.least[g]))), fraction), at = _mm512_add_epi32(base, texel);
+      held = __mmask16(held & _mm512_cmpge_epi32_mask(at, first) & _mm512_cmple_epi32_mask(at, last));
+      _mm512_store_si512(b.from[g], _mm512_sub_epi32(start, _mm512_sllv_epi32(texel, fraction)));
+      put(b.row_at[g], _mm256_add_epi32(_mm512_castsi512_si256(at), _mm256_mullo_epi32(_mm512_extracti64x4_epi64(at, 1), _mm256_set1_epi32(map_.row_stride()))));
+    }
+    b.placed = __mmask8(held & held >> batch_size);
+    advance(u_);
+    advance(v_);
+  }
+
+ private:
+  struct axis {
+    v8 c, step;            // numerators less base W; what is added for the next batch
+    __m256i base, texels;  // and whole texels
+  };
+
+  SPANTEX_INLINE void divide(v8 n, axis& a) const {
+    const inverse8 inverse{set(row_.w_inverse.y), set(row_.w_inverse.exponent)};
+    __mmask8 near = 0xFF;
+    const v8 base = whole_quotient8(n, set(spantex::bit_length(uint64_t(row_.w))), inverse, near);
+    a.c = _mm512_sub_epi64(n, _mm512_mullo_epi64(base, set(row_.w)));
+    a.base = narrowed(base);
+  }
+  // Where two texels are as near as each other, or nearly, it takes the division to tell which is the base.
+  SPANTEX_INLINE void settle(axis& a) const {
+    if (_mm512_cmpgt_epu64_mask(_mm512_abs_epi64(a.c), set(row_.w / 2 - row_.w / 4096)) == 0) [[likely]] return;
+    divide(_mm512_add_epi64(a.c, _mm512_mullo_epi64(_mm512_cvtepi32_epi64(a.base), set(row_.w))), a);
+  }
+  SPANTEX_INLINE void advance(axis& a) const {
+    a.c = _mm512_add_epi64(a.c, a.step);
+    a.base = _mm256_add_epi32(a.base, a.texels);
+    const __mmask8 next = _mm512_cmpgt_epi64_mask(a.c, set(row_.w / 2));
+    a.c = _mm512_mask_sub_epi64(a.c, next, a.c, set(row_.w));
+    a.base = _mm256_mask_add_epi32(a.base, next, a.base, _mm256_set1_epi32(1));
+  }
+  SPANTEX_INLINE v16 bases() const {
+    const int32_t across = map_.period_u(), down = map_.period_v();
+    if ((across & (across - 1)) == 0 && (down & (down - 1)) == 0) [[likely]] {  // of 0, all bits
+      return _mm512_and_si512(both_axes(u_.base, v_.base), both_axes(across - 1, down - 1));
+    }
+    return both_axes(narrowed(modulo(_mm512_cvtepi32_epi64(u_.base), across)), narrowed(modulo(_mm512_cvtepi32_epi64(v_.base), down)));
+  }
+
+  const planar_map& map_;
+  const affine_row& row_;
+  axis u_, v_;
+};
+
+SPANTEX_INLINE v16 moved(const int32_t (&offsets)[16], int32_t by) { return _mm512_add_epi32(_mm512_load_si512(offsets), set32(by)); }
+
+// A span whose sections the map does not hold. Apart, so that what does the others keeps its registers.
+template <bool Gathers, cut How>
+[[gnu::noinline]] void draw_affine_beyond(const row_work& work, const affine_row& row, const affine_batch& b, int k, int span) {
+  const int scale = b.scale[k], bits = b.fraction[k];
+  draw_beyond<Gathers, How>(work, work.sx + span, work.masks[span], [&](int n) SPANTEX_INLINED {
+    return positions{moved(row.u[scale][n], b.centre[0][k]), moved(row.v[scale][n], b.centre[1][k]), b.base[0][k], b.base[1][k], bits, half_of(bits)};
+  });
+}
+
+template <bool Gathers, int Sections, int TexelRows>
+void draw_affine(const row_work& work, const affine_row& row) {
+  constexpr int pair = 2;  // batches, so that one's plan fills the gaps of the other's
+  constexpr cut how = Sections == quads ? cut::square : cut::flat;
+  const planar_map& map = *work.texels;
+  affine_plan plan(work, row);
+  affine_batch two[pair];
+  for (int first = 0; first < work.count; first += pair * batch_size) {
+    for (affine_batch& b : two) plan.next<Sections>(b);
+    for (int span = first; span < min_of(first + pair * batch_size, work.count); ++span) {
+      if (work.masks[span] == 0) continue;
+      const affine_batch& b = two[(span - first) / batch_size];
+      const int k = (span - first) % batch_size;
+      if (!(b.placed >> k & 1)) {
+        draw_affine_beyond<Gathers, how>(work, row, b, k, span);
+        continue;
+      }
+      const auto& u = row.u[b.scale[k]];
+      const auto& v = row.v[b.scale[k]];
+      v16 out[quads];
+#pragma GCC unroll 4
+      for (int g = 0; g < Sections; ++g) {
+        const texel_rows<TexelRows> texels(map.row(0) + b.row_at[g][k], map.row_stride());
+#pragma GCC unroll 4
+        for (int n = g * quads / Sections; n < (g + 1) * quads / Sections; ++n)
+          out[n] = texels.at(place_in_rows(moved(u[n], b.from[g][0][k]), moved(v[n], b.from[g][1][k]), set32(b.fraction[k]), set32(b.fraction[k] - 3)));
+      }
+      write(work, work.sx + span, work.masks[span], out, how);
+    }
+  }
+}
+
+// False: the row is drawn otherwise.
+template <bool Gathers>
+bool draw_affine_row(const row_work& work) {
+  affine_row row;
+  if (!begin_affine(work, row)) return false;
+  const auto by_rows = [&]<int Sections>() {
+    if (row.texel_rows <= 4) draw_affine<Gathers, Sections, 4>(work, row);
+    else if (row.texel_rows <= 6) draw_affine<Gathers, Sections, 6>(work, row);
+    else draw_affine<Gathers, Sections, 8>(work, row);
+  };
+  switch (row.sections) {
+    case 1: by_rows.template operator()<1>(); break;
+    case 2: by_rows.template operator()<2>(); break;
+    case quads: by_rows.template operator()<quads>(); break;
+    default: draw_affine<Gathers, 0, block_side>(work, row);
+  }
+  return true;
+}
