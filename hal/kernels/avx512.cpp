@@ -41,6 +41,7 @@ namespace {
 #include "avx512/sections.hpp"
 #include "avx512/filters.hpp"
 #include "avx512/spans.hpp"
+#include "vectors/affine_numbers.hpp"
 #include "avx512/affine.hpp"
 #include "avx512/by_level.hpp"
 #include "avx512/upright.hpp"

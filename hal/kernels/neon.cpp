@@ -30,6 +30,8 @@ constexpr int width = 4;
 #include "vectors/plan_lanes.hpp"
 #include "vectors/positions.hpp"
 #include "vectors/spans.hpp"
+#include "vectors/affine_numbers.hpp"
+#include "vectors/affine.hpp"
 #include "vectors/tables_neon.hpp"
 #include "vectors/aniso.hpp"
 #include "vectors/two_rows.hpp"

@@ -39,6 +39,8 @@ constexpr int width = 4;
 #include "vectors/plan.hpp"
 #include "vectors/positions.hpp"
 #include "vectors/spans.hpp"
+#include "vectors/affine_numbers.hpp"
+#include "vectors/affine.hpp"
 #include "vectors/aniso.hpp"
 #include "vectors/two_rows.hpp"
 #include "vectors/upright.hpp"

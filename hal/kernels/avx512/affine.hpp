@@ -1,60 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-// AVX-512 kernel: nearest of planes that face the viewer, turned and scaled as they like. W is constant: pixels lie as far from their span's centre as in any other span, and nothing
-// is divided from one span to the next. Included by ../avx512.cpp alone.
+// AVX-512 kernel: nearest of planes that face the viewer (../vectors/affine_numbers.hpp). Included by ../avx512.cpp alone.
 #pragma once
 
-// What the spans of a row have in common. The farther a span reaches from the texel that is nearest its centre, the fewer bits of fraction its offsets have: on scale n its
-// numerators have least_bits + n bits.
-struct affine_row {
-  static constexpr int most_scales = 4;
-
-  int64_t w;
-  inverse w_inverse;
-  int64_t reach_u, reach_v;                // numerators of pixels lie so far from their span's centre at most
-  int least_bits, most_fraction, scales;   // bits of fraction on scale 0
+// And what pixels add to their span's centre.
+struct affine_row : affine_numbers {
   int sections, texel_rows;                // sections of 8x8 texels: one of a span, two of its upper and lower half, four of its quads, or none; rows of texels that are taken of each
-  alignas(64) int32_t u[most_scales][quads][16], v[most_scales][quads][16];  // from the span's centre to its pixels
+  alignas(64) int32_t u[most_scales][quads][16], v[most_scales][quads][16];
   alignas(64) int32_t least[quads][16];    // of a section: u of every scale in the lower half, v in the upper
 
   cut quad_kind() const { return sections == quads ? cut::square : cut::flat; }
 };
 
-// Whether W is constant, and texels are neither too near each other nor too far for the lanes below.
-inline bool is_affine_row(const row_work& work, uint64_t reach) {
-  const plane& p = *work.map;
-  if (p.w.x != 0 || p.w.y != 0 || p.w.c <= 0) return false;
-  const int w_bits = spantex::bit_length(uint64_t(p.w.c)), reach_bits = spantex::bit_length(reach);
-  // With 31 bits of fraction, the most, a section of two texels fits 32 bits, and no offset reaches farther. Set-up leaves extents more than 31 bits.
-  if (reach_bits < max_of(31, w_bits - 2) || reach_bits > w_bits + max_extent_log2 - 2) return false;
-  const auto is_near = [&](int32_t sx) {  // bases of all spans have 15 bits
-    const int32_t cx = 2 * span_side * sx + span_side, cy = 2 * span_side * work.sy + span_side;
-    return magnitude(p.value(p.u, cx, cy)) >> 14 < uint64_t(p.w.c) && magnitude(p.value(p.v, cx, cy)) >> 14 < uint64_t(p.w.c);
-  };
-  return rounding_is_small(p, p.w.c, 15) && is_near(work.sx) && is_near(work.sx + work.count - 1);
-}
-
 // False: the row is drawn otherwise.
 inline bool begin_affine(const row_work& work, affine_row& row) {
-  const plane& p = *work.map;
-  const auto reach_of = [](const linear_form& f) { return 7 * (magnitude(f.x) + magnitude(f.y)); };
-  const uint64_t reach_u = reach_of(p.u), reach_v = reach_of(p.v), reach = reach_u > reach_v ? reach_u : reach_v;
-  if (!is_affine_row(work, reach)) return false;
-  row.w = p.w.c;
-  row.w_inverse = invert(row.w);
-  row.reach_u = int64_t(reach_u);
-  row.reach_v = int64_t(reach_v);
-  row.least_bits = spantex::bit_length(reach);
-  row.most_fraction = q.offset_bits - 2 + spantex::bit_length(uint64_t(row.w)) - row.least_bits;
-  row.scales = spantex::bit_length(reach + uint64_t(row.w / 2 + row.w / 1024)) - row.least_bits + 1;
-  if (row.scales > affine_row::most_scales) return false;
-  int32_t u_x[affine_row::most_scales], u_y[affine_row::most_scales], v_x[affine_row::most_scales], v_y[affine_row::most_scales];
-  for (int n = 0; n < row.scales; ++n) {
-    const auto mantissa = [&](int64_t of) { return quotient(of, row.least_bits + n - 31, row.w_inverse, row.most_fraction - n); };
-    u_x[n] = mantissa(p.u.x);
-    u_y[n] = mantissa(p.u.y);
-    v_x[n] = mantissa(p.v.x);
-    v_y[n] = mantissa(p.v.y);
-  }
+  if (!find_affine(work, row)) return false;
   // Texels side by side that width x height pixels need at most.
   const auto texels = [&](const int32_t* x, const int32_t* y, int width, int height) {
     int most = 0;
@@ -65,8 +24,8 @@ inline bool begin_affine(const row_work& work, affine_row& row) {
     return most;
   };
   const auto hold = [&](int width, int height) {
-    row.texel_rows = texels(v_x, v_y, width, height);
-    return row.texel_rows <= block_side && texels(u_x, u_y, width, height) <= block_side;
+    row.texel_rows = texels(row.v_x, row.v_y, width, height);
+    return row.texel_rows <= block_side && texels(row.u_x, row.u_y, width, height) <= block_side;
   };
   row.sections = hold(span_side, span_side) ? 1 : hold(span_side, span_side / 2) ? 2 : hold(quad_side, quad_side) ? quads : 0;
   const quad_cut& quad = cut_of(row.quad_kind());
@@ -91,8 +50,8 @@ inline bool begin_affine(const row_work& work, affine_row& row) {
     }
   };
   for (int n = 0; n < row.scales; ++n) {
-    spread(u_x[n], u_y[n], row.u[n], n);
-    spread(v_x[n], v_y[n], row.v[n], batch_size + n);
+    spread(row.u_x[n], row.u_y[n], row.u[n], n);
+    spread(row.v_x[n], row.v_y[n], row.v[n], batch_size + n);
   }
   return true;
 }
@@ -115,9 +74,9 @@ class affine_plan {
     const auto begin = [&](const linear_form& f, axis& a) SPANTEX_INLINED {
       const v8 spans = _mm512_mullo_epi64(_mm512_setr_epi64(0, 1, 2, 3, 4, 5, 6, 7), set(2 * span_side * f.x));
       divide(_mm512_add_epi64(set(p.value(f, cx, cy)), spans), a);
-      const auto step = int64_t(uint64_t(f.x) * (2 * span_side * batch_size)), whole = step / row.w - (step % row.w < 0);
-      a.texels = _mm256_set1_epi32(int32_t(whole));
-      a.step = set(step - whole * row.w);
+      const affine_step step(f, row.w, batch_size);
+      a.texels = _mm256_set1_epi32(step.texels);
+      a.step = set(step.rest);
     };
     begin(p.u, u_);
     begin(p.v, v_);
@@ -129,11 +88,10 @@ class affine_plan {
     settle(v_);
     const v8 far_u = _mm512_abs_epi64(u_.c), far_v = _mm512_abs_epi64(v_.c);
     const v8 zeros = _mm512_lzcnt_epi64(_mm512_max_epu64(_mm512_add_epi64(far_u, set(row_.reach_u)), _mm512_add_epi64(far_v, set(row_.reach_v))));
-    // quotient8(), whose shift is the same on every scale.
-    constexpr int shift = 64 - q.offset_bits;
+    // quotient8()
     const v8 drop = _mm512_sub_epi64(of64<64 - 31>(), zeros);
     const auto mantissa = [&](v8 c, v8 far) SPANTEX_INLINED {
-      const v8 product = _mm512_mul_epu32(_mm512_srlv_epi64(far, drop), set(row_.w_inverse.y)), rounded = _mm512_srli_epi64(_mm512_add_epi64(product, of64<int64_t(1) << (shift - 1)>()), shift);
+      const v8 product = _mm512_mul_epu32(_mm512_srlv_epi64(far, drop), set(row_.w_inverse.y)), rounded = _mm512_srli_epi64(_mm512_add_epi64(product, of64<int64_t(1) << (affine_shift - 1)>()), affine_shift);
       return _mm512_mask_sub_epi64(rounded, _mm512_movepi64_mask(c), _mm512_setzero_si512(), rounded);
     };
     const v16 lower = _mm512_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
@@ -171,9 +129,8 @@ class affine_plan {
     a.c = _mm512_sub_epi64(n, _mm512_mullo_epi64(base, set(row_.w)));
     a.base = narrowed(base);
   }
-  // Where two texels are as near as each other, or nearly, it takes the division to tell which is the base.
   SPANTEX_INLINE void settle(axis& a) const {
-    if (_mm512_cmpgt_epu64_mask(_mm512_abs_epi64(a.c), set(row_.w / 2 - row_.w / 4096)) == 0) [[likely]] return;
+    if (_mm512_cmpgt_epu64_mask(_mm512_abs_epi64(a.c), set(most_certain(row_))) == 0) [[likely]] return;
     divide(_mm512_add_epi64(a.c, _mm512_mullo_epi64(_mm512_cvtepi32_epi64(a.base), set(row_.w))), a);
   }
   SPANTEX_INLINE void advance(axis& a) const {

@@ -60,8 +60,14 @@ template <filter Kind>
 void draw_row(const row_work& work) {
   if constexpr (!uses_footprint(Kind) && rows_at_once == 1)  // AVX-512 has its own
     if (work.upright != nullptr) return draw_upright<Kind>(work);
-  if (work.texels->levels_in_rows().masks_only()) draw_row<Kind, true>(work);
-  else draw_row<Kind, false>(work);
+  if (work.texels->levels_in_rows().masks_only()) {
+#if !SPANTEX_AVX512
+    if constexpr (Kind == filter::nearest)
+      if (draw_affine_row(work)) return;
+#endif
+    return draw_row<Kind, true>(work);
+  }
+  draw_row<Kind, false>(work);
 }
 
 // A span of the row that is planned already.
