@@ -2,7 +2,7 @@
 // Vector kernels: nearest of planes that face the viewer, of maps whose texels a mask wraps (affine_numbers.hpp). Included by the machines' files alone.
 #pragma once
 
-// Centres of a row's spans, one after the other: numbers of general registers, which are found while the vectors' draw the span before.
+// Centres of a row's spans, one after the other, in general registers: a processor finds them while vectors still draw the span before.
 class affine_centres {
  public:
   affine_centres(const row_work& work, const affine_numbers& numbers)
@@ -97,7 +97,7 @@ SPANTEX_INLINE bool draw_affine_row(const row_work& work) {
       u[part] += down_u;
       w[part] += down_v;
     }
-    write_texels(work, work.sx + k, work.masks[k], map.texels(), places);
+    write_texels(work, work.sx + k, work.masks[k], map.texels(), places[0]);
   }
   return true;
 }

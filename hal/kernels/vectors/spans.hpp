@@ -248,8 +248,8 @@ SPANTEX_INLINE void draw_groups(const row_work& work, int32_t sx, span_mask mask
   });
 }
 
-// Single texels, by their places in `from`. Whole spans are moved texel by texel, and not through registers, where all places are found first.
-SPANTEX_INLINE void write_texels(const row_work& work, int32_t sx, span_mask mask, const rgba8* from, const int32_t (&places)[groups][width]) {
+// Single texels, by all places in `from`, as span_positions has them. Whole spans are moved texel by texel, and not through registers, where all places are found first.
+SPANTEX_INLINE void write_texels(const row_work& work, int32_t sx, span_mask mask, const rgba8* from, const int32_t* places) {
   if (places_first && mask == ~span_mask(0)) {
     rgba8* row = work.pixels + int64_t(work.sy) * span_side * work.stride + sx * span_side;
 #pragma GCC unroll 8
@@ -258,13 +258,13 @@ SPANTEX_INLINE void write_texels(const row_work& work, int32_t sx, span_mask mas
       for (int x = 0; x < span_side; x += 2) {
         constexpr int of_first = __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__ ? 0 : 32;
         uint64_t two;  // half as many loads
-        __builtin_memcpy(&two, places[0] + place_of(y, x / lanes_across) + x % lanes_across, sizeof two);
+        __builtin_memcpy(&two, places + place_of(y, x / lanes_across) + x % lanes_across, sizeof two);
         __builtin_memcpy(row + x, from + uint32_t(two >> of_first), sizeof(rgba8));
         __builtin_memcpy(row + x + 1, from + uint32_t(two >> (32 - of_first)), sizeof(rgba8));
       }
     return;
   }
-  write_span(work, sx, mask, [&](int k) SPANTEX_INLINED { return texels_at(from, reinterpret_cast<const uint32_t*>(places[k / width])); });
+  write_span(work, sx, mask, [&](int k) SPANTEX_INLINED { return texels_at(from, reinterpret_cast<const uint32_t*>(places + k)); });
 }
 
 template <bool MasksOnly>
@@ -280,7 +280,7 @@ SPANTEX_INLINE void draw_nearest(const row_work& work, int32_t sx, span_mask mas
   if constexpr (places_first) {
 #pragma GCC unroll 2
     for (int n = 0; n < groups; ++n) place(n);
-    write_texels(work, sx, mask, map.texels(), places);
+    write_texels(work, sx, mask, map.texels(), places[0]);
   } else {
     draw_groups(work, sx, mask, place, [&](int n) SPANTEX_INLINED { return texels_at(map.texels(), reinterpret_cast<const uint32_t*>(places[n % placed_groups])); });
   }
