@@ -112,7 +112,7 @@ GATES = [
     ("vector kernels: a texel nearest a span's centre told without the division", "hal/kernels/vectors/affine.hpp", "if (far > uint64_t(most_certain(n)))", "if (false)", "kernels", "turned_planes_by*", KERNELS),
     ("vector kernels: a row's first scale for all its spans", "hal/kernels/vectors/affine.hpp", "get(first_u[c.scale]", "get(first_u[0]", "kernels", "turned_planes_by*", KERNELS),
     ("vector kernels: offsets of planes that face the viewer not rounded", "hal/kernels/vectors/affine.hpp", "1 << (numbers.most_fraction - n - q.coordinate_bits - 1)", "0", "kernels", "turned_planes_by*", KERNELS),
-    ("vector kernels: parts of spans moved as whole ones", "hal/kernels/vectors/spans.hpp", "if (places_first && mask == ~span_mask(0)) {", "if (places_first) {", "kernels", "turned_planes_by*", KERNELS),
+    ("vector kernels: parts of spans moved as whole ones", "hal/kernels/vectors/spans.hpp", "if (moves_texels && mask == ~span_mask(0)) {", "if (moves_texels) {", "kernels", "turned_planes_by*", KERNELS),
     ("AVX2: the first of two groups of spans planned as the second", "hal/kernels/vectors/plan_lanes.hpp", "step(groups[n], k + n * wide_lanes);", "step(groups[0], k + n * wide_lanes);", "kernels", "random_planes*", KERNELS),
     ("NEON's next level without its half", "hal/kernels/vectors/tables_neon.hpp", "uint16_t(1 - 128)", "uint16_t(-128)", "scripts", "kernel_identity", []),
     ("NEON's pixels all between the finer two of three levels", "hal/kernels/vectors/tables_neon.hpp", "  pick(upper, far, middle);\n", "", "scripts", "kernel_identity", []),

@@ -118,16 +118,17 @@ SPANTEX_CASE(turned_planes_by_nearest) {
     draw_all(p, map, filter::nearest, area, 200, 24, 0);
   };
   for (const wrap w : wraps) {
-    const ready_map map(random_map(512, 512), w), other(random_map(24, 40), w);
+    const ready_map map(random_map(512, 512), w), other(random_map(24, 40), w), narrow(random_map(2, 64), w), odd(random_map(3, 128), w), one(random_map(1, 1), w);
     for (const double side : {0.5, 0.75, 1.25, 2.0, 4.0})
       for (const double from : {0.0, 0.25, 0.5}) draw(map, {side, -0.5, from, 0.5, side, from - 3, 0, 0, 1});
     for (const double far : {8000.0, 16300.0, 16383.5, 16384.5, 20000.0})
       for (const double sign : {-1.0, 1.0}) draw(map, {0.8, -0.3, sign * far, 0.3, 0.8, -sign * far, 0, 0, 1});
-    for (double degrees = 1; degrees < 90; degrees += short_run() ? 22 : 4)
-      for (double scale = 0.03; scale < 3; scale *= 1.15) {
+    for (double degrees = 1; degrees < 360; degrees += short_run() ? 44 : 8)
+      for (double scale = 0.03; scale < 3; scale *= short_run() ? 1.3 : 1.15) {
         const double x = scale * cos(degrees * 3.14159265358979 / 180), y = scale * sin(degrees * 3.14159265358979 / 180);
         draw(map, {x, -y, 3.7, y, x, 2.3, 0, 0, 1});
         draw(other, {x, y, 300, y, -x, -400, 0, 0, 1}, {3, 5, 187, 22});
+        for (const ready_map* small : {&narrow, &odd, &one}) draw(*small, {x, -y, -2.6, y, x, 1.3, 0, 0, 1});
       }
   }
   // u of a span's centre is so little below -m - 1/2 that its division takes -m; a pixel next to it lies between two steps of coordinate_bits at a texel's border.

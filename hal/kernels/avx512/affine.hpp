@@ -2,9 +2,9 @@
 // AVX-512 kernel: nearest of planes that face the viewer (../vectors/affine_numbers.hpp). Included by ../avx512.cpp alone.
 #pragma once
 
-// And what pixels add to their span's centre.
+// affine_numbers, what pixels add to their span's centre, and where sections begin.
 struct affine_row : affine_numbers {
-  int sections, texel_rows;                // sections of 8x8 texels: one of a span, two of its upper and lower half, four of its quads, or none; rows of texels that are taken of each
+  int sections, section_rows;              // sections of 8x8 texels: one of a span, two of its upper and lower half, four of its quads, or none; rows of texels that are taken of each
   alignas(64) int32_t u[most_scales][quads][16], v[most_scales][quads][16];
   alignas(64) int32_t least[quads][16];    // of a section: u of every scale in the lower half, v in the upper
 
@@ -24,8 +24,8 @@ inline bool begin_affine(const row_work& work, affine_row& row) {
     return most;
   };
   const auto hold = [&](int width, int height) {
-    row.texel_rows = texels(row.v_x, row.v_y, width, height);
-    return row.texel_rows <= block_side && texels(row.u_x, row.u_y, width, height) <= block_side;
+    row.section_rows = texels(row.v_x, row.v_y, width, height);
+    return row.section_rows <= block_side && texels(row.u_x, row.u_y, width, height) <= block_side;
   };
   row.sections = hold(span_side, span_side) ? 1 : hold(span_side, span_side / 2) ? 2 : hold(quad_side, quad_side) ? quads : 0;
   const quad_cut& quad = cut_of(row.quad_kind());
@@ -202,8 +202,8 @@ bool draw_affine_row(const row_work& work) {
   affine_row row;
   if (!begin_affine(work, row)) return false;
   const auto by_rows = [&]<int Sections>() {
-    if (row.texel_rows <= 4) draw_affine<Gathers, Sections, 4>(work, row);
-    else if (row.texel_rows <= 6) draw_affine<Gathers, Sections, 6>(work, row);
+    if (row.section_rows <= 4) draw_affine<Gathers, Sections, 4>(work, row);
+    else if (row.section_rows <= 6) draw_affine<Gathers, Sections, 6>(work, row);
     else draw_affine<Gathers, Sections, 8>(work, row);
   };
   switch (row.sections) {

@@ -83,7 +83,7 @@ SPANTEX_INLINE bool draw_affine_row(const row_work& work) {
     if (work.masks[k] == 0) continue;
     const int fraction = numbers.most_fraction - c.scale;
     const v base = halves(set(c.base_u), set(c.base_v << 16)), down_u = set(2 * numbers.u_y[c.scale]), down_v = set(2 * numbers.v_y[c.scale]);
-    alignas(sizeof(v)) int32_t places[groups][width];
+    alignas(sizeof(v)) int32_t places[span_pixel_count];
     v u[parts], w[parts];
     for (int part = 0; part < parts; ++part) {
       u[part] = get(first_u[c.scale] + width * part) + c.u;
@@ -93,11 +93,11 @@ SPANTEX_INLINE bool draw_affine_row(const row_work& work) {
     for (int n = 0; n < groups; ++n) {
       const int part = n / span_side;
       const v texels = halves(down_by(u[part], fraction), down_by(w[part], fraction - 16));
-      put(places[n], places_of<true>(add16(base, texels), l));
+      put(places + n * width, places_of<true>(add16(base, texels), l));
       u[part] += down_u;
       w[part] += down_v;
     }
-    write_texels(work, work.sx + k, work.masks[k], map.texels(), places[0]);
+    write_texels(work, work.sx + k, work.masks[k], map.texels(), places);
   }
   return true;
 }

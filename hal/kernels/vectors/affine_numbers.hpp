@@ -6,7 +6,7 @@
 // What the spans of a row have in common. The farther a span reaches from the texel that is nearest its centre, the fewer bits of fraction its offsets have: on scale n its
 // numerators have least_bits + n bits.
 struct affine_numbers {
-  static constexpr int most_scales = 4;
+  static constexpr int most_scales = 3;  // extents are W/8 or more, and W/2 more at most
 
   int64_t w;
   inverse w_inverse;
@@ -42,7 +42,6 @@ inline bool find_affine(const row_work& work, affine_numbers& a) {
   a.least_bits = spantex::bit_length(reach);
   a.most_fraction = q.offset_bits - 2 + spantex::bit_length(uint64_t(a.w)) - a.least_bits;
   a.scales = spantex::bit_length(reach + uint64_t(a.w / 2 + a.w / 1024)) - a.least_bits + 1;
-  if (a.scales > affine_numbers::most_scales) return false;
   for (int n = 0; n < a.scales; ++n) {
     const auto mantissa = [&](int64_t of) { return quotient(of, a.least_bits + n - 31, a.w_inverse, a.most_fraction - n); };
     a.u_x[n] = mantissa(p.u.x);
@@ -61,7 +60,7 @@ struct affine_step {
   int32_t texels;
   int64_t rest;
   affine_step(const linear_form& f, int64_t w, int spans) {
-    const auto step = int64_t(uint64_t(f.x) * uint64_t(2 * span_side * spans)), whole = step / w - (step % w < 0);
+    const int64_t step = f.x * (2 * span_side * spans), whole = step / w - (step % w < 0);
     texels = int32_t(whole);
     rest = step - whole * w;
   }

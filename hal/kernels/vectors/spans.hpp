@@ -248,9 +248,9 @@ SPANTEX_INLINE void draw_groups(const row_work& work, int32_t sx, span_mask mask
   });
 }
 
-// Single texels, by all places in `from`, as span_positions has them. Whole spans are moved texel by texel, and not through registers, where all places are found first.
+// Single texels of `from`, by the places of all pixels, as span_positions has them. Whole spans are moved texel by texel, and not put together in vectors, where that is faster.
 SPANTEX_INLINE void write_texels(const row_work& work, int32_t sx, span_mask mask, const rgba8* from, const int32_t* places) {
-  if (places_first && mask == ~span_mask(0)) {
+  if (moves_texels && mask == ~span_mask(0)) {
     rgba8* row = work.pixels + int64_t(work.sy) * span_side * work.stride + sx * span_side;
 #pragma GCC unroll 8
     for (int y = 0; y < span_side; ++y, row += work.stride)
@@ -272,17 +272,17 @@ SPANTEX_INLINE void draw_nearest(const row_work& work, int32_t sx, span_mask mas
   const row_levels& map = work.texels->levels_in_rows();
   const on_level<int32_t> l = level_at_once<MasksOnly>(map, 0, p);
   const v base = halves(set(p.base_u >> q.coordinate_bits), set(p.base_v << (16 - q.coordinate_bits)));
-  alignas(sizeof(v)) int32_t places[placed_groups][width];
+  alignas(sizeof(v)) int32_t places[placed_groups * width];
   const auto place = [&](int n) SPANTEX_INLINED {
     const v texels = halves(get(p.u + width * n) >> q.coordinate_bits, get(p.v + width * n) << (16 - q.coordinate_bits));
-    put(places[n % placed_groups], places_of<MasksOnly>(add16(base, texels), l));
+    put(places + n % placed_groups * width, places_of<MasksOnly>(add16(base, texels), l));
   };
   if constexpr (places_first) {
 #pragma GCC unroll 2
     for (int n = 0; n < groups; ++n) place(n);
-    write_texels(work, sx, mask, map.texels(), places[0]);
+    write_texels(work, sx, mask, map.texels(), places);
   } else {
-    draw_groups(work, sx, mask, place, [&](int n) SPANTEX_INLINED { return texels_at(map.texels(), reinterpret_cast<const uint32_t*>(places[n % placed_groups])); });
+    draw_groups(work, sx, mask, place, [&](int n) SPANTEX_INLINED { return texels_at(map.texels(), reinterpret_cast<const uint32_t*>(places + n % placed_groups * width)); });
   }
 }
 

@@ -3,7 +3,7 @@
 // products each. Included by ../words.cpp alone.
 #pragma once
 
-constexpr bool places_first = true;
+constexpr bool places_first = true, moves_texels = true;
 constexpr int row_pairs_at_once = 4;  // of positions with levels
 typedef int32_t level_number;  // of a pixel, in memory
 

@@ -2,7 +2,7 @@
 // Vector kernels: what x86 has no operator for. SPANTEX_AVX2 decides between registers of 32 and 16 bytes. Included by ../avx2.cpp and ../sse41.cpp alone.
 #pragma once
 
-constexpr bool places_first = true;
+constexpr bool places_first = true, moves_texels = true;
 constexpr int row_pairs_at_once = 4;  // of positions with levels
 typedef int32_t level_number;  // of a pixel, in memory
 
