@@ -168,6 +168,7 @@ template <bool Gathers, int Sections, int TexelRows>
 void draw_affine(const row_work& work, const affine_row& row) {
   constexpr int pair = 2;  // batches, so that one's plan fills the gaps of the other's
   constexpr cut how = Sections == quads ? cut::square : cut::flat;
+  constexpr int each = quads / max_of(Sections, 1);  // quads a section
   const planar_map& map = *work.texels;
   affine_plan plan(work, row);
   affine_batch two[pair];
@@ -188,7 +189,7 @@ void draw_affine(const row_work& work, const affine_row& row) {
       for (int g = 0; g < Sections; ++g) {
         const texel_rows<TexelRows> texels(map.row(0) + b.row_at[g][k], map.row_stride());
 #pragma GCC unroll 4
-        for (int n = g * quads / Sections; n < (g + 1) * quads / Sections; ++n)
+        for (int n = g * each; n < (g + 1) * each; ++n)
           out[n] = texels.at(place_in_rows(moved(u[n], b.from[g][0][k]), moved(v[n], b.from[g][1][k]), set32(b.fraction[k]), set32(b.fraction[k] - 3)));
       }
       write(work, work.sx + span, work.masks[span], out, how);
