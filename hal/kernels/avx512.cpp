@@ -40,6 +40,7 @@ namespace {
 #include "avx512/levels.hpp"
 #include "avx512/sections.hpp"
 #include "avx512/filters.hpp"
+#include "vectors/move_texels.hpp"
 #include "avx512/spans.hpp"
 #include "vectors/affine_numbers.hpp"
 #include "avx512/affine.hpp"

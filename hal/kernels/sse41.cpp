@@ -38,6 +38,7 @@ constexpr int width = 4;
 #include "vectors/pixels.hpp"
 #include "vectors/plan.hpp"
 #include "vectors/positions.hpp"
+#include "vectors/move_texels.hpp"
 #include "vectors/spans.hpp"
 #include "vectors/affine_numbers.hpp"
 #include "vectors/affine.hpp"

@@ -2,13 +2,14 @@
 // AVX-512 kernel: nearest of planes that face the viewer (../vectors/affine_numbers.hpp). Included by ../avx512.cpp alone.
 #pragma once
 
+// Of spans with so many sections.
+constexpr cut quads_of(int sections) { return sections == quads ? cut::square : cut::flat; }
+
 // affine_numbers, what pixels add to their span's centre, and where sections begin.
 struct affine_row : affine_numbers {
   int sections, section_rows;              // sections of 8x8 texels: one of a span, two of its upper and lower half, four of its quads, or none; rows of texels that are taken of each
   alignas(64) int32_t u[most_scales][quads][16], v[most_scales][quads][16];
   alignas(64) int32_t least[quads][16];    // of a section: u of every scale in the lower half, v in the upper
-
-  cut quad_kind() const { return sections == quads ? cut::square : cut::flat; }
 };
 
 // False: the row is drawn otherwise.
@@ -28,7 +29,7 @@ inline bool begin_affine(const row_work& work, affine_row& row) {
     return row.section_rows <= block_side && texels(row.u_x, row.u_y, width, height) <= block_side;
   };
   row.sections = hold(span_side, span_side) ? 1 : hold(span_side, span_side / 2) ? 2 : hold(quad_side, quad_side) ? quads : 0;
-  const quad_cut& quad = cut_of(row.quad_kind());
+  const quad_cut& quad = cut_of(quads_of(row.sections));
   const auto lanes = [](const int32_t (&across)[quad_side], const int32_t (&down)[quad_side]) {
     const v16 rows = _mm512_setr_epi32(0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3);
     return _mm512_add_epi32(_mm512_broadcast_i32x4(four(across)), _mm512_permutexvar_epi32(rows, _mm512_castsi128_si512(four(down))));
@@ -167,7 +168,7 @@ template <bool Gathers, cut How>
 template <bool Gathers, int Sections, int TexelRows>
 void draw_affine(const row_work& work, const affine_row& row) {
   constexpr int pair = 2;  // batches, so that one's plan fills the gaps of the other's
-  constexpr cut how = Sections == quads ? cut::square : cut::flat;
+  constexpr cut how = quads_of(Sections);
   constexpr int each = quads / max_of(Sections, 1);  // quads a section
   const planar_map& map = *work.texels;
   affine_plan plan(work, row);

@@ -33,6 +33,7 @@ constexpr int width = 16;
 #include "../vectors/pixels.hpp"
 #include "../vectors/plan_lanes.hpp"
 #include "../vectors/positions.hpp"
+#include "../vectors/move_texels.hpp"
 #include "../vectors/spans.hpp"
 #include "../vectors/aniso.hpp"
 #include "../vectors/kernel.hpp"

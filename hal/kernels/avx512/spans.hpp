@@ -100,33 +100,25 @@ SPANTEX_INLINE v16 place_in_rows(v16 u, v16 v, v16 column_bits, v16 row_bits) {
 template <bool Gathers, cut How>
 SPANTEX_INLINE void draw_beyond(const row_work& work, int32_t sx, span_mask mask, auto&& quad) {
   const planar_map& map = *work.texels;
-  alignas(64) uint32_t at[quads][span_pixel_count / quads];
+  constexpr int quad_pixels = span_pixel_count / quads;
+  alignas(64) int32_t at[span_pixel_count];
 #pragma GCC unroll 4
   for (int n = 0; n < quads; ++n) {
     const positions p = quad(n);
     const v16 half = set32(int32_t(p.half)), bits = set32(p.bits);
     const auto texel = [&](v16 offset, int32_t base) SPANTEX_INLINED { return _mm512_add_epi32(_mm512_srav_epi32(_mm512_add_epi32(offset, half), bits), set32(base)); };
     const v16 x = wrapped16(texel(p.u, p.base_u), map.width(), map.wrap_u()), y = wrapped16(texel(p.v, p.base_v), map.height(), map.wrap_v());
-    _mm512_store_si512(at[n], _mm512_add_epi32(_mm512_mullo_epi32(y, set32(map.row_stride())), x));
+    _mm512_store_si512(at + quad_pixels * n, _mm512_add_epi32(_mm512_mullo_epi32(y, set32(map.row_stride())), x));
   }
   const rgba8* const from = map.row(0);
   if (!Gathers && mask == ~span_mask(0)) {
-    rgba8* row = first_of_span(work, sx);
-#pragma GCC unroll 8
-    for (int y = 0; y < span_side; ++y, row += work.stride)
-#pragma GCC unroll 4
-      for (int x = 0; x < span_side; x += 2) {
-        const uint32_t* const of = How == cut::flat ? at[y / 2] + y % 2 * span_side + x : at[y / quad_side * 2 + x / quad_side] + y % quad_side * quad_side + x % quad_side;
-        uint64_t two;
-        __builtin_memcpy(&two, of, sizeof two);
-        __builtin_memcpy(row + x, from + uint32_t(two), sizeof(rgba8));
-        __builtin_memcpy(row + x + 1, from + (two >> 32), sizeof(rgba8));
-      }
-    return;
+    return move_texels(work, sx, from, at, [](int x, int y) SPANTEX_INLINED {
+      return How == cut::flat ? span_side * y + x : (y / quad_side * 2 + x / quad_side) * quad_pixels + y % quad_side * quad_side + x % quad_side;
+    });
   }
   v16 out[quads];
 #pragma GCC unroll 4
-  for (int n = 0; n < quads; ++n) out[n] = texels_from<Gathers>(from, at[n]);
+  for (int n = 0; n < quads; ++n) out[n] = texels_from<Gathers>(from, reinterpret_cast<const uint32_t*>(at + quad_pixels * n));
   write(work, sx, mask, out, How);
 }
 

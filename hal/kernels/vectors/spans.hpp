@@ -250,20 +250,7 @@ SPANTEX_INLINE void draw_groups(const row_work& work, int32_t sx, span_mask mask
 
 // Single texels of `from`, by the places of all pixels, as span_positions has them. Whole spans are moved texel by texel, and not put together in vectors, where that is faster.
 SPANTEX_INLINE void write_texels(const row_work& work, int32_t sx, span_mask mask, const rgba8* from, const int32_t* places) {
-  if (moves_texels && mask == ~span_mask(0)) {
-    rgba8* row = work.pixels + int64_t(work.sy) * span_side * work.stride + sx * span_side;
-#pragma GCC unroll 8
-    for (int y = 0; y < span_side; ++y, row += work.stride)
-#pragma GCC unroll 4
-      for (int x = 0; x < span_side; x += 2) {
-        constexpr int of_first = __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__ ? 0 : 32;
-        uint64_t two;  // half as many loads
-        __builtin_memcpy(&two, places + place_of(y, x / lanes_across) + x % lanes_across, sizeof two);
-        __builtin_memcpy(row + x, from + uint32_t(two >> of_first), sizeof(rgba8));
-        __builtin_memcpy(row + x + 1, from + uint32_t(two >> (32 - of_first)), sizeof(rgba8));
-      }
-    return;
-  }
+  if (moves_texels && mask == ~span_mask(0)) return move_texels(work, sx, from, places, [](int x, int y) SPANTEX_INLINED { return place_of(y, x / lanes_across) + x % lanes_across; });
   write_span(work, sx, mask, [&](int k) SPANTEX_INLINED { return texels_at(from, reinterpret_cast<const uint32_t*>(places + k)); });
 }
 
