@@ -60,8 +60,9 @@ struct band_shares {
   std::vector<int> starts;
 };
 
-// A simulated machine a thread. The direct engine takes shorter and shorter bands, each a third of what its thread has left and a sixth of its share at most, since some rows, as
-// those near a horizon, cost more than others and a thread that is done helps the others; a band costs as much besides as some ten spans.
+// A simulated machine a thread. The direct engine takes shorter and shorter bands, since some rows, as those near a horizon, cost more than others and a thread that is done helps the
+// others: first half of its thread's share (of more than two threads, that part which would be all of its work if the others' shares cost nothing), then a third of what is left
+// each; a band costs as much besides as some five spans.
 band_shares make_bands(const scene& s, const draw_options& o) {
   constexpr int least_rows = 4;  // of spans, of bands that plan their columns, each again
   const bool planned = planned_as_a_whole(s, o);
@@ -73,7 +74,7 @@ band_shares make_bands(const scene& s, const draw_options& o) {
     made.starts.push_back(int(made.bands.size()));
     const int begin = rows * k / shares, end = rows * (k + 1) / shares;
     for (int first = begin, next; first < end; first = next) {
-      next = whole ? end : first + std::max(1, std::min((end - first) / 3, (end - begin) / 6));
+      next = whole ? end : first + std::max(1, first == begin ? (end - begin) / shares : (end - first) / 3);
       made.bands.push_back({first * span_side, std::min(height, next * span_side)});
     }
   }
@@ -131,19 +132,18 @@ template <class Engine>
 struct reads_on_demand : counted_reads {
   Engine* engine = nullptr;
   const texture_map* map = nullptr;  // that is drawn, and the view that is drawn by
-  texture_view* view = nullptr;
+  texture_view view;
   void touch(int level) {
     if (const uint64_t words = map->make_level(level); words != 0) engine->mark({event_kind::map_upload, uint32_t(words)});
-    view->set_facts(map->facts());
+    view.set_facts(map->facts());
   }
 };
 
 status draw_item(auto& renderer, const drawable& item, const scene& s, const draw_options& o, band b, const target& out, draw_counters& counts) {
   const rectangle rows{0, b.y0, s.size.width_px, b.y1};
-  texture_view map;
+  texture_view& map = renderer.reads().view;
   SPANTEX_TRY(view_of(s, item, o, map));
   renderer.reads().map = &s.map_of(item);
-  renderer.reads().view = &map;
   shading how = o.how;
   if (item.colours.varies || !(item.colours.flat == white)) how.colours = &item.colours;
   const bool by_kernel = out.ready.kernel != nullptr && how.colours == nullptr;
@@ -228,7 +228,7 @@ status draw_band(const Prof& prof, Engine& engine, const scene& s, const draw_op
   for (const texture_map& map : *s.maps)
     if (const uint64_t words = map.words_uploaded(); words != 0) engine.mark({event_kind::map_upload, uint32_t(words)});
   const run_time_skips skips{o.port == nullptr ? o.skips : o.skips & default_skips, {0, b.y0, s.size.width_px, b.y1}, out.kept.empty() ? nullptr : out.kept.data(), out.columns()};
-  renderer<Engine, Prof, shading, reads_on_demand<Engine>, run_time_skips> r(engine, prof, frame_of(out.picture), skips, {{}, &engine, nullptr, nullptr});
+  renderer<Engine, Prof, shading, reads_on_demand<Engine>, run_time_skips> r(engine, prof, frame_of(out.picture), skips, {{}, &engine, nullptr, {}});
   r.single_half(o.single_half);
   if (o.depths_first && s.uses_depth()) lay_depths_of(s, b, out, counts.work);
   for (const drawable& item : s.items) SPANTEX_TRY(draw_item(r, item, s, o, b, out, counts.work));
@@ -243,8 +243,8 @@ template <class Prof, int Fine = Prof::max_fine_side>
 status draw_band_with(const Prof& prof, const scene& s, const draw_options& o, band b, const target& out, band_counts& counts) {
   if (o.port != nullptr) return draw_band(prof, *o.port, s, o, b, out, counts);
   if (o.engine == engine_choice::direct) {
-    const auto engine = std::make_unique<direct_engine<Prof, Fine>>(prof);
-    return draw_band(prof, *engine, s, o, b, out, counts);
+    direct_engine<Prof, Fine> engine(prof);
+    return draw_band(prof, engine, s, o, b, out, counts);
   }
   const auto engine = std::make_unique<sim_engine<Prof, Fine>>(prof, o.table, o.sink);
   SPANTEX_TRY(draw_band(prof, *engine, s, o, b, out, counts));

@@ -80,7 +80,7 @@ class thread_team {
   };
 
   // The processor is offered to whoever needs it more now and then: that takes half a microsecond, looking tens of nanoseconds.
-  static constexpr int looks_between_yields = 50;
+  static constexpr int looks_between_yields = 500;
   static void look_again() {
 #if defined(__x86_64__)
     __builtin_ia32_pause();
