@@ -212,7 +212,8 @@ $(B)/%.o: %.cpp Makefile
 	@echo "  compile $<"
 	@$(CXX) $(FLAGS) -c $< -o $@
 
-# Kernels are unrolled by the compiler; where their functions begin in a line of the caches changed times by up to three tenths; gcc's own intrinsics warn of the undefined lanes they mean, and of vectors passed between functions that melt into one.
+# Kernels are unrolled by the compiler, and their functions begin at lines of the caches (PERFORMANCE, "What was tried"); gcc's own intrinsics warn of the undefined lanes they
+# mean, and of vectors passed between functions that melt into one.
 $(B)/hal/kernels/%.o: FLAGS += -O3 -falign-functions=64 -Wno-unknown-warning-option -Wno-uninitialized -Wno-maybe-uninitialized -Wno-psabi
 
 $(B)/tests/%: $(B)/tests/unit/%.o $(HOST_OBJECTS)
