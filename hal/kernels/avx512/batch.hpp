@@ -47,7 +47,7 @@ SPANTEX_INLINE void keep(batch_forms& f, __m256i c, __m256i x, __m256i y, cut ho
 
 // Sections of local memory of the quads of eight spans, on a level each (quad_section).
 struct alignas(64) batch_sections {
-  int32_t at[3][2][quads][batch_size];                // columns of blocks, from each the first eight rows and the next eight: from planar_map::blocks()
+  int32_t at[3][3][quads][batch_size];                // columns of blocks, from each the first eight rows, the next eight and those after them: from planar_map::blocks()
   int32_t row[quads][batch_size];                     // the first
   int32_t shift[quads][batch_size];                   // the first column, times 8 (quad_section)
 };

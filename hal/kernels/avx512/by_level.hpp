@@ -20,15 +20,15 @@ struct level_span {
   bool one_level;                     // no pixel takes anything from its coarse level
 };
 
-// A span that place_spans() placed. Deep: sixteen rows of its coarser levels are read, not eight.
-template <bool Deep>
+// A span that place_spans() placed; After: of coarser levels so much is read.
+template <held_in After>
 struct placed_span {
   const span_pixels* pixels;
   const batch_places& at;
   int k;
   static constexpr uint32_t fit = 0xF;
-  template <held_in> static constexpr held_in after = Deep ? held_in::narrow : held_in::shallow;
-  template <int After> static constexpr int more_bits = After + 1;
+  template <held_in> static constexpr held_in after = After;
+  template <int Levels> static constexpr int more_bits = Levels + 1;
   SPANTEX_INLINE int32_t first_of(int) const { return at.level[k]; }
 };
 
@@ -170,8 +170,8 @@ SPANTEX_INLINE v16 snapped_on(const level_span& s, const C& c, v16 u, v16 v, int
   if constexpr (Scaled) return s.scaled[After].at(c, u, v, n);
   else return s.at.at(c, u, v, n + After * quads);
 }
-template <bool Scaled, int After, class C, bool Deep>
-SPANTEX_INLINE v16 snapped_on(const placed_span<Deep>& s, const C& c, v16 u, v16 v, int n) {
+template <bool Scaled, int After, class C, held_in Coarser>
+SPANTEX_INLINE v16 snapped_on(const placed_span<Coarser>& s, const C& c, v16 u, v16 v, int n) {
   static_assert(After == 0 && !Scaled);
   const batch_places& p = s.at;
   return snapped_by(c, u, v, p.from_u[n][s.k], p.from_v[n][s.k], p.drop[s.k], p.turn[s.k]);
@@ -187,16 +187,16 @@ template <bool Scaled, int After, class C>
 SPANTEX_INLINE v16 snapped_after(const level_span& s, const C& c, v16, int n) { return snapped_on<Scaled, After>(s, c, s.pixels->u[n], s.pixels->v[n], n); }
 template <bool Scaled, int After, class C>
 SPANTEX_INLINE v16 snapped_after(const placed_scaled_span& s, const C& c, v16, int n) { return snapped_on<Scaled, After>(s, c, s.pixels->u[n], s.pixels->v[n], n); }
-template <bool Scaled, int After, class C, bool Deep>
-SPANTEX_INLINE v16 snapped_after(const placed_span<Deep>& s, const C&, v16 fine, int n) {
+template <bool Scaled, int After, class C, held_in Coarser>
+SPANTEX_INLINE v16 snapped_after(const placed_span<Coarser>& s, const C&, v16 fine, int n) {
   return _mm512_add_epi16(fine, set32((After == 1 ? s.at.to_coarse : s.at.to_next)[n][s.k]));
 }
 
 // Their sections.
 template <int After, held_in Where>
 SPANTEX_INLINE auto section_after(const uint8_t* blocks, const level_span& s, int n) { return section_of<Where>(blocks, After == 0 ? s.fine : After == 1 ? s.coarse : s.next, n); }
-template <int After, held_in Where, bool Deep>
-SPANTEX_INLINE auto section_after(const uint8_t* blocks, const placed_span<Deep>& s, int n) { return section_of<Where>(blocks, After == 0 ? s.at.fine : After == 1 ? s.at.coarse : s.at.next, s.k, n); }
+template <int After, held_in Where, held_in Coarser>
+SPANTEX_INLINE auto section_after(const uint8_t* blocks, const placed_span<Coarser>& s, int n) { return section_of<Where>(blocks, After == 0 ? s.at.fine : After == 1 ? s.at.coarse : s.at.next, s.k, n); }
 template <int After, held_in Where>
 SPANTEX_INLINE auto section_after(const uint8_t* blocks, const placed_scaled_span& s, int n) { return section_of<Where>(blocks, s.at.on[After].sections, s.k, n); }
 
@@ -346,29 +346,36 @@ SPANTEX_INLINE void by_places(const auto& p, int k, bool alone, auto&& blended) 
   by_width.template operator()<taken::one>();
 }
 
-template <bool TwoLevels, int Channels, taken Levels, held_in Fine, bool Deep>
+template <bool TwoLevels, int Channels, taken Levels, held_in Fine, held_in After>
 SPANTEX_INLINE void blend_placed(const row_work& work, const batch& b, int k, const span_pixels& pixels, const batch_places& p) {
-  blend_span<quad_blender<TwoLevels, Levels, Channels, Fine>>(work, b, k, placed_span<Deep>{&pixels, p, k});
+  blend_span<quad_blender<TwoLevels, Levels, Channels, Fine>>(work, b, k, placed_span<After>{&pixels, p, k});
 }
 
-// Those that are on two whole levels, or have coarser levels' sections of more than eight rows. Seldom called: see blend_some().
+// Those that are on two whole levels, have more than sixteen rows of the fine one, or more than eight rows or columns of coarser ones. Seldom called: see blend_some().
 template <bool TwoLevels, int Channels>
-[[gnu::noinline]] void blend_rare(const row_work& work, const batch& b, int k, bool crossing, const span_pixels& pixels, const batch_places& p) {
-  const bool broad = p.broad >> k & 1;
-  const auto with_deep = [&]<taken Levels>() SPANTEX_INLINED {
-    broad ? blend_placed<TwoLevels, Channels, Levels, held_in::full, true>(work, b, k, pixels, p) : blend_placed<TwoLevels, Channels, Levels, held_in::narrow, true>(work, b, k, pixels, p);
+[[gnu::noinline]] void blend_rare(const row_work& work, const batch& b, int k, bool alone, bool crossing, const span_pixels& pixels, const batch_places& p) {
+  const bool deep = p.deep >> k & 1, high = p.high >> k & 1, broad = p.broad >> k & 1, coarse_broad = p.coarse_broad >> k & 1;
+  const auto blended = [&]<taken Levels, held_in Fine, held_in After>() SPANTEX_INLINED { blend_placed<TwoLevels, Channels, Levels, Fine, After>(work, b, k, pixels, p); };
+  const auto by_width = [&]<taken Levels>() SPANTEX_INLINED {
+    if (coarse_broad) blended.template operator()<Levels, held_in::full, held_in::full>();
+    else if (high) blended.template operator()<Levels, held_in::high, held_in::narrow>();
+    else broad ? blended.template operator()<Levels, held_in::full, held_in::narrow>() : blended.template operator()<Levels, held_in::narrow, held_in::narrow>();
   };
-  if constexpr (TwoLevels)
-    if (!crossing) return with_deep.template operator()<taken::all>();
-  if (broad || (p.deep >> k & 1)) with_deep.template operator()<taken::more>();
-  else blend_placed<TwoLevels, Channels, taken::more, held_in::shallow, false>(work, b, k, pixels, p);
+  if (crossing) {
+    if (deep || broad) by_width.template operator()<taken::more>();
+    else blended.template operator()<taken::more, held_in::shallow, held_in::shallow>();
+  } else if (!TwoLevels || alone) {
+    blended.template operator()<taken::one, held_in::high, held_in::shallow>();
+  } else {
+    by_width.template operator()<taken::all>();
+  }
 }
 
 template <bool TwoLevels, int Channels>
 SPANTEX_INLINE void blend_placed(const row_work& work, const batch& b, int k, bool alone, bool crossing, span_pixels& pixels, const batch_places& p) {
   if (p.excess[k] > 0) [[unlikely]] drop_bits(p.excess[k], pixels.u, pixels.v);
-  if (crossing || (p.coarse_deep >> k & 1)) [[unlikely]] return blend_rare<TwoLevels, Channels>(work, b, k, crossing, pixels, p);
-  by_places<TwoLevels>(p, k, alone, [&]<taken Levels, held_in Fine>() SPANTEX_INLINED { blend_placed<TwoLevels, Channels, Levels, Fine, false>(work, b, k, pixels, p); });
+  if (crossing || ((p.coarse_deep | p.coarse_broad | p.high) >> k & 1)) [[unlikely]] return blend_rare<TwoLevels, Channels>(work, b, k, alone, crossing, pixels, p);
+  by_places<TwoLevels>(p, k, alone, [&]<taken Levels, held_in Fine>() SPANTEX_INLINED { blend_placed<TwoLevels, Channels, Levels, Fine, held_in::shallow>(work, b, k, pixels, p); });
 }
 
 // On levels whose sides do not halve exactly.

@@ -12,19 +12,19 @@ constexpr int up_of_one = 2, up_between = 1;
 // Addresses and weights of sixteen pixels on one level, four bytes a pixel: texels (0,0) (1,0) (0,1) (1,1).
 struct samples {
   v16 index;           // column, 8 row: what a byte permute of two registers takes
-  __mmask64 second;    // of broad sections: those that lie in the second eight columns
+  __mmask64 second;    // of broad sections: those that lie in the second eight columns; of high ones, in the third eight rows
   v16 u, v;            // weights: 128 - f, f of 128 in bytes; the same of 2^(7 + Up) in words
 };
 
 // For multishift: the same of both pixels of a 64-bit lane.
 constexpr int64_t fields(int64_t offsets_of_a_pixel) { return offsets_of_a_pixel | ((offsets_of_a_pixel + 0x20202020) << 32); }
 
-// Where a position's numbers lie, of which it has so many bits of fraction more than it is snapped to.
-template <int Up, int More>
+// Where a position's numbers lie, of which it has so many bits of fraction more than it is snapped to. High: rows have five bits, not four.
+template <int Up, int More, bool High>
 struct sample_fields {
   static constexpr int64_t from = 16 + More - Up;
   SPANTEX_INLINE static v16 fractions() { return of32<0x007F007F << More>(); }
-  SPANTEX_INLINE static v16 texels() { return of32<0x07800780 << More>(); }
+  SPANTEX_INLINE static v16 texels() { return of32<(High ? 0x0F800780 : 0x07800780) << More>(); }
   SPANTEX_INLINE static v16 texel() { return of64<fields(0x01010101 * (7 + More))>(); }
   SPANTEX_INLINE static v16 u() { return of64<fields(0x01010101 * More)>(); }
   SPANTEX_INLINE static v16 v() { return of64<fields(from | (from + 8) << 8 | from << 16 | (from + 8) << 24)>(); }
@@ -58,14 +58,15 @@ SPANTEX_INLINE samples placed_in_broad(v16 first) {
 
 template <held_in Where, int More = 0, int Up>
 SPANTEX_INLINE samples samples16(const sampling<Up>& c, v16 at) {
-  using fields_of = sample_fields<Up, More>;
+  constexpr bool high = Where == held_in::high;
+  using fields_of = sample_fields<Up, More, high>;
   samples s;
   const v16 texels = _mm512_and_si512(at, fields_of::texels()), fractions = _mm512_and_si512(at, fields_of::fractions());
   if constexpr (is_broad(Where)) {
     s = placed_in_broad(_mm512_multishift_epi64_epi8(fields_of::texel(), _mm512_madd_epi16(texels, of32<0x00100001>())));
   } else {
     s.index = _mm512_add_epi8(_mm512_multishift_epi64_epi8(fields_of::texel(), _mm512_madd_epi16(texels, c.row)), c.next);
-    s.second = 0;
+    s.second = high ? _mm512_movepi8_mask(s.index) : 0;
   }
   const v16 u = _mm512_multishift_epi64_epi8(fields_of::u(), fractions), v = _mm512_multishift_epi64_epi8(fields_of::v(), fractions);
   s.u = _mm512_mask_sub_epi8(u, c.even, c.all_u, u);
@@ -113,7 +114,9 @@ SPANTEX_INLINE v16 fetch16(const quad_section<Where>& from, int channel, const s
       return _mm512_shrdv_epi64(block(c), block(c + 1), from.shift);
     };
     if constexpr (quad_section<Where>::eights == 1) return _mm512_permutexvar_epi8(s.index, rows(0));
-    else return _mm512_permutex2var_epi8(rows(0), s.index, rows(1));
+    const v16 upper_rows = _mm512_permutex2var_epi8(rows(0), s.index, rows(1));
+    if constexpr (Where == held_in::high) return _mm512_mask_permutexvar_epi8(upper_rows, s.second, s.index, rows(2));
+    return upper_rows;
   };
   if constexpr (is_broad(Where)) return _mm512_mask_mov_epi8(half(0), s.second, half(1));
   else return half(0);

@@ -57,17 +57,17 @@ struct quad_ends {
   }
 };
 
-// How spans' sections lie, bit k of span k's: all of its quads' are here; they are more than eight rows, more than eight columns (16 at most).
-struct section_kinds { __mmask8 here, deep, broad; };
+// How spans' sections lie, bit k of span k's: all of its quads' are here; they are more than eight rows, more than sixteen, more than eight columns (16 at most).
+struct section_kinds { __mmask8 here, deep, high, broad; };
 
 // What the axes have on each span's level.
 SPANTEX_INLINE v16 of_both_axes(v16 levels, const int32_t (&u)[max_planar_levels], const int32_t (&v)[max_planar_levels]) {
   return _mm512_permutex2var_epi32(_mm512_load_si512(u), _mm512_or_si512(levels, both_axes(0, max_planar_levels)), _mm512_load_si512(v));
 }
 
-// Sections of 2x2 texels on a level of each span, which begin anywhere: of 16x16 texels at most or, not Broad, 8 columns of 16 rows.
-// texel: the one of the level that a bound needs. all: what the largest have is left of smaller ones too.
-template <bool Broad>
+// Sections of 2x2 texels on a level of each span, which begin anywhere: of 16x16 texels at most or, High, 8 columns of 24 rows.
+// texel: the one of the level that a bound needs. all: what sections of 16x16 have is left of smaller ones too.
+template <bool High>
 SPANTEX_INLINE section_kinds find_sections(const planar_map& map, v16 levels, const quad_ends& ends, bool all, batch_sections& s, auto&& texel) {
   constexpr __mmask16 columns = 0x00FF, rows = 0xFF00;
   const planar_levels& texels = map.levels();
@@ -83,8 +83,9 @@ SPANTEX_INLINE section_kinds find_sections(const planar_map& map, v16 levels, co
     return _mm512_mask_add_epi32(stacks, rows, stacks, _mm512_slli_epi32(_mm512_and_si512(k, of32<(block_side << stack_log2) - 1>()), 3));
   };
   const __mmask16 periodic = __mmask16((map.period_u() != 0 ? columns : 0) | (map.period_v() != 0 ? rows : 0));
+  const v16 most = both_axes(2 * block_side - 1, (High ? 3 : 2) * block_side - 1);
   v16 first[quads];
-  __mmask16 more = 0, bad = 0;
+  __mmask16 more = 0, higher = 0, bad = 0;
 #pragma GCC unroll 4
   for (int n = 0; n < quads; ++n) {
     const v16 end = _mm512_add_epi32(texel(ends.high[n]), one), from = texel(ends.low[n]), size = _mm512_sub_epi32(end, from);
@@ -92,12 +93,18 @@ SPANTEX_INLINE section_kinds find_sections(const planar_map& map, v16 levels, co
     const __mmask16 two = _mm512_cmpgt_epi32_mask(size, of32<block_side - 1>());
     more |= two;
     // Where blocks repeat, the last one that is read must be one of the map's: that of the end's column, or of the second eight rows.
-    const v16 begun = counted(from), reached = _mm512_mask_mov_epi32(_mm512_mask_add_epi32(begun, two, begun, step), columns, counted(end));
+    const v16 begun = counted(from);
+    v16 next = _mm512_mask_add_epi32(begun, two, begun, step);
+    if constexpr (High) {
+      const __mmask16 three = _mm512_cmpgt_epi32_mask(size, of32<2 * block_side - 1>());
+      higher |= three;
+      next = _mm512_mask_add_epi32(next, three, next, step);
+    }
+    const v16 reached = _mm512_mask_mov_epi32(next, columns, counted(end));
     const __mmask16 outside = _mm512_cmpneq_epi32_mask(held(begun), begun) | _mm512_cmpgt_epi32_mask(reached, last);
-    bad |= __mmask16(_mm512_cmpgt_epu32_mask(size, of32<2 * block_side - 1>()) | (periodic & outside));
+    bad |= __mmask16(_mm512_cmpgt_epu32_mask(size, most) | (periodic & outside));
   }
-  const section_kinds kinds{0, __mmask8(more >> batch_size), __mmask8(more)};
-  if constexpr (!Broad) bad |= more & columns;
+  const __mmask8 deep = __mmask8(more >> batch_size), high = __mmask8(higher >> batch_size), broad = __mmask8(more);
   const bool large = all || more != 0;
 #pragma GCC unroll 4
   for (int n = 0; n < quads; ++n) {
@@ -116,16 +123,21 @@ SPANTEX_INLINE section_kinds find_sections(const planar_map& map, v16 levels, co
       put(s.at[1][1][n], _mm256_add_epi32(x1, y1));
       put(s.at[2][1][n], _mm256_add_epi32(x2, y1));
     }
+    if (High && high != 0) {
+      const __m256i y2 = _mm256_add_epi32(_mm512_extracti64x4_epi64(place_of(held(_mm512_add_epi32(next, step))), 1), origin);
+      put(s.at[0][2][n], _mm256_add_epi32(x0, y2));
+      put(s.at[1][2][n], _mm256_add_epi32(x1, y2));
+    }
     put(s.shift[n], _mm256_slli_epi32(lower(first[n]), 3));
   }
-  return {__mmask8(~(bad | bad >> batch_size)), kinds.deep, kinds.broad};
+  return {__mmask8(~(bad | bad >> batch_size | (high & broad))), deep, high, broad};
 }
 
 // On levels whose sides halve exactly.
-template <bool Broad>
+template <bool High>
 SPANTEX_INLINE section_kinds find_sections(const planar_map& map, __m256i level, const quad_ends& ends, bool all, batch_sections& s) {
   const v16 levels = both_axes(level, level), half = _mm512_sllv_epi32(of32<1 << 15>(), levels), drop = _mm512_add_epi32(levels, of32<16>());
-  return find_sections<Broad>(map, levels, ends, all, s, [&](v16 position) SPANTEX_INLINED { return _mm512_srav_epi32(_mm512_sub_epi32(position, half), drop); });
+  return find_sections<High>(map, levels, ends, all, s, [&](v16 position) SPANTEX_INLINED { return _mm512_srav_epi32(_mm512_sub_epi32(position, half), drop); });
 }
 
 // Bits of fraction that spans' offsets have.
@@ -143,7 +155,7 @@ SPANTEX_INLINE __m256i start_of(__m256i bits, __m256i shift) {
 
 // On level 0, and what leads from offsets to positions in sections, to be snapped: fields_of_offsets.
 SPANTEX_WRAPS SPANTEX_INLINE void place(const row_work& work, __mmask8 flat, batch& b) {
-  const section_kinds kinds = find_sections<true>(*work.texels, _mm256_setzero_si256(), quad_ends(quad_bounds::undivided(b)), false, b.sections);
+  const section_kinds kinds = find_sections<false>(*work.texels, _mm256_setzero_si256(), quad_ends(quad_bounds::undivided(b)), false, b.sections);
   b.placed = flat & kinds.here;
   b.deep = kinds.deep;
   b.broad = kinds.broad;
@@ -195,8 +207,8 @@ struct batch_places {
   alignas(32) int32_t from_u[quads][batch_size], from_v[quads][batch_size], drop[batch_size], turn[batch_size], to_coarse[quads][batch_size], to_next[quads][batch_size];
   alignas(32) int32_t level[batch_size];       // the fine one
   alignas(32) int32_t excess[batch_size];      // bits of the offsets to be dropped first
-  uint32_t placed = 0, deep = 0, broad = 0;    // bit k, as above
-  uint32_t coarse_deep = 0;                    // those of coarser levels; they are not broad
+  uint32_t placed = 0, deep = 0, high = 0, broad = 0;  // bit k, as above
+  uint32_t coarse_deep = 0, coarse_broad = 0;          // those of coarser levels
 };
 
 // Where the spans `some` lie, on the levels `fine`; of those `alone` on that level, of those `crossing` on the two after it (one, of filters that take one level) as well.
@@ -204,26 +216,28 @@ template <bool TwoLevels>
 SPANTEX_WRAPS SPANTEX_INLINE void place_spans(const row_work& work, const batch& b, uint32_t some, uint32_t alone, uint32_t crossing, __m256i fine, batch_places& p) {
   const auto after = [&](__m256i level) SPANTEX_INLINED { return _mm256_min_epi32(_mm256_add_epi32(level, _mm256_set1_epi32(1)), _mm256_set1_epi32(work.last_level)); };
   const __m256i coarse = after(fine);
-  // Positions modulo 16 texels of the last level that is taken fit 32 bits.
-  const __m256i given = bits_of(b);
-  const __m256i after_fine = _mm256_mask_mov_epi32(_mm256_maskz_set1_epi32(__mmask8(~alone), 1), __mmask8(crossing), _mm256_set1_epi32(2)), bits_and_level = _mm256_add_epi32(given, _mm256_add_epi32(fine, after_fine));
-  const __m256i excess = _mm256_max_epi32(_mm256_sub_epi32(bits_and_level, _mm256_set1_epi32(28)), _mm256_setzero_si256()), bits = _mm256_sub_epi32(given, excess);
   // plan_bounds() holds up to a slope of 1/4.
   some &= _mm256_cmple_epi32_mask(got(b.slope_log2), _mm256_set1_epi32(-2));
   if (some == 0) return;
   const quad_ends ends(quad_bounds::divided(b));
   const section_kinds kinds = find_sections<true>(*work.texels, fine, ends, false, p.fine);
   some &= kinds.here;
+  // Positions modulo 16 texels of the last level that is taken fit 32 bits, and modulo 32 of one whose sections are high.
+  const __m256i given = bits_of(b);
+  const __m256i after_fine = _mm256_mask_mov_epi32(_mm256_maskz_set1_epi32(__mmask8(~alone | kinds.high), 1), __mmask8(crossing), _mm256_set1_epi32(2)), bits_and_level = _mm256_add_epi32(given, _mm256_add_epi32(fine, after_fine));
+  const __m256i excess = _mm256_max_epi32(_mm256_sub_epi32(bits_and_level, _mm256_set1_epi32(28)), _mm256_setzero_si256()), bits = _mm256_sub_epi32(given, excess);
   const auto find_after = [&](uint32_t without, __m256i level, batch_sections& out) SPANTEX_INLINED {
     if ((some & ~without) == 0) return;
-    const section_kinds found = find_sections<false>(*work.texels, level, ends, crossing != 0, out);
-    some &= without | found.here;
+    const section_kinds found = find_sections<false>(*work.texels, level, ends, (crossing | kinds.high) != 0, out);
+    some &= without | (found.here & ~(kinds.high & found.broad));
     p.coarse_deep |= found.deep & ~without;
+    p.coarse_broad |= found.broad & ~without;
   };
   find_after(alone & ~crossing, coarse, p.coarse);
   if constexpr (TwoLevels) find_after(~crossing, after(coarse), p.next);
   p.placed = some;
   p.deep = kinds.deep;
+  p.high = kinds.high;
   p.broad = kinds.broad;
   put(p.level, fine);
   const __m256i shift = _mm256_sub_epi32(_mm256_add_epi32(bits, fine), _mm256_set1_epi32(q.subtexel_bits + 1));

@@ -98,10 +98,10 @@ template <bool TwoLevels>
   quad_bounds bounds = quad_bounds::divided(b);
   bounds.base = _mm512_slli_epi32(both_axes(got(b.origin_u), got(b.origin_v)), 16);
   const quad_ends ends(bounds);
-  const auto find = [&]<bool Broad>(__m256i level, scaled_places::scaled_level& to) SPANTEX_INLINED {
+  const auto find = [&](__m256i level, scaled_places::scaled_level& to) SPANTEX_INLINED {
     const v16 levels = both_axes(level, level);
     const level_scale scale(of_both_axes(levels, texels.ratio_u, texels.ratio_v), levels, _mm512_mullo_epi32(turned, of_both_axes(levels, texels.period_u, texels.period_v)));
-    const section_kinds kinds = find_sections<Broad>(map, levels, ends, false, to.sections, [&](v16 position) SPANTEX_INLINED { return scale.texel(position); });
+    const section_kinds kinds = find_sections<false>(map, levels, ends, false, to.sections, [&](v16 position) SPANTEX_INLINED { return scale.texel(position); });
     constexpr int fewer = 16 - q.coordinate_bits;
     const v16 drop = _mm512_sub_epi32(scale.drop, of32<fewer>()), from = _mm512_srai_epi32(scale.rounding_from(), fewer), texel = _mm512_add_epi32(drop, of32<q.subtexel_bits>());
     _mm512_store_si512(to.ratio, scale.ratio);
@@ -113,11 +113,11 @@ template <bool TwoLevels>
     }
     return kinds;
   };
-  const section_kinds kinds = find.template operator()<true>(fine, p.on[0]);
+  const section_kinds kinds = find(fine, p.on[0]);
   some &= kinds.here;
   if (TwoLevels && (some & ~alone) != 0) {
-    const section_kinds coarse = find.template operator()<false>(_mm256_min_epi32(_mm256_add_epi32(fine, _mm256_set1_epi32(1)), _mm256_set1_epi32(work.last_level)), p.on[1]);
-    some &= alone | (coarse.here & ~coarse.deep);
+    const section_kinds coarse = find(_mm256_min_epi32(_mm256_add_epi32(fine, _mm256_set1_epi32(1)), _mm256_set1_epi32(work.last_level)), p.on[1]);
+    some &= alone | (coarse.here & ~(coarse.deep | coarse.broad));
   }
   p.placed = some;
   p.deep = kinds.deep;

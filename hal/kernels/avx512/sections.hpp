@@ -19,15 +19,15 @@ SPANTEX_INLINE v16 reach_of(const v16 (&of_u)[quads], const v16 (&of_v)[quads], 
   return _mm512_add_epi32(to16, start);
 }
 
-// How sections are held: from any texel on 8x8 texels, 8 columns of 16 rows, 16 columns of 8 rows, 16x16.
-enum class held_in : uint8_t { shallow, narrow, broad, full };
+// How sections are held: from any texel on 8x8 texels, 8 columns of 16 rows, 16 columns of 8 rows, 16x16, 8 columns of 24 rows.
+enum class held_in : uint8_t { shallow, narrow, broad, full, high };
 constexpr bool is_broad(held_in where) { return where == held_in::broad || where == held_in::full; }
 
-// One quad's registers. Columns of blocks from `at` on, each once or twice eight rows; rows of two blocks are shifted by so many bits (modulo 64) that they begin where the section
+// One quad's registers. Columns of blocks from `at` on, each up to three times eight rows; rows of two blocks are shifted by so many bits (modulo 64) that they begin where the section
 // does: two blocks are one register, three are two.
 template <held_in Where>
 struct quad_section {
-  static constexpr int blocks = is_broad(Where) ? 3 : 2, eights = Where == held_in::narrow || Where == held_in::full ? 2 : 1;
+  static constexpr int blocks = is_broad(Where) ? 3 : 2, eights = Where == held_in::high ? 3 : Where == held_in::narrow || Where == held_in::full ? 2 : 1;
   const uint8_t* at[blocks][eights];
   v8 shift;
 };
@@ -39,7 +39,7 @@ SPANTEX_INLINE quad_section<Where> section_at(const uint8_t* blocks, const auto&
   section s{{}, set32(shift)};
 #pragma GCC unroll 3
   for (int c = 0; c < section::blocks; ++c)
-#pragma GCC unroll 2
+#pragma GCC unroll 3
     for (int r = 0; r < section::eights; ++r) {
       s.at[c][r] = blocks + at(c, r);
       if constexpr (!is_broad(Where)) asm("" : "+r"(s.at[c][r]));  // channels lie at constant distances from these
