@@ -123,7 +123,7 @@ if "avx512_vbmi2" in pathlib.Path("/proc/cpuinfo").read_text():
         ("AVX-512: rows of high sections modulo sixteen", "hal/kernels/avx512/filters.hpp", "(High ? 0x0F800780 : 0x07800780)", "0x07800780", "kernels", "sheared_and_magnified*", KERNELS),
         ("AVX-512: the third eight rows where the second lie", "hal/kernels/avx512/places.hpp", "held(_mm512_add_epi32(next, step))", "held(next)", "kernels", "sheared_and_magnified*", KERNELS),
         ("AVX-512: high sections beyond a map that repeats", "hal/kernels/avx512/places.hpp", "next = _mm512_mask_add_epi32(next, three, next, step);", "", "kernels", "sheared_and_magnified*", KERNELS),
-        ("AVX-512: sixteen columns of a coarse level from eight", "hal/kernels/avx512/places.hpp", "p.coarse_broad |= found.broad & ~without;", "(void)without;", "kernels", "sheared_and_magnified*", KERNELS),
+        ("AVX-512: sixteen columns of a coarse level from eight", "hal/kernels/avx512/places.hpp", "p.coarse_broad |= found.broad & ~without;", "(void)without;", "kernels", "random_planes*", KERNELS),
         ("AVX-512: flat quads written as square ones", "hal/kernels/avx512/filters.hpp", "if (how == cut::flat) {", "if (false) {", "kernels", "minified_planes*", KERNELS),
         ("AVX-512: tall quads written as square ones", "hal/kernels/avx512/filters.hpp", "} else if (how == cut::tall) {", "} else if (false) {", "kernels", "random_planes*", KERNELS),
         ("AVX-512: levels of tall quads from the rows of flat ones", "hal/kernels/avx512/levels.hpp", "} else if (how == cut::flat) {", "} else if (true) {", "kernels", "random_planes*", KERNELS),

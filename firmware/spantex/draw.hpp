@@ -122,7 +122,11 @@ class renderer {
     return status::ok;
   }
 
-  // Whether a span is left as it is (run_time_skips).
+  // Whether some spans may be left as they are; whether one is (run_time_skips).
+  constexpr bool keeps_some() const {
+    if constexpr (Skips::switchable) return skips_.keeps_some();
+    return false;
+  }
   constexpr bool keeps([[maybe_unused]] int32_t sx, [[maybe_unused]] int32_t sy) const {
     if constexpr (Skips::switchable) return skips_.keeps(sx, sy);
     return false;

@@ -54,7 +54,8 @@ struct run_time_skips {
   // Spans that hold their pixels already and are not looked at: a byte each, rows of `columns`. sim/unchanged.hpp finds those of the frame before.
   const uint8_t* kept = nullptr;
   int32_t columns = 0;
-  constexpr bool keeps(int32_t sx, int32_t sy) const { return kept != nullptr && kept[sy * columns + sx] != 0; }
+  constexpr bool keeps_some() const { return kept != nullptr; }
+  constexpr bool keeps(int32_t sx, int32_t sy) const { return keeps_some() && kept[sy * columns + sx] != 0; }
 };
 
 struct skip_counters {

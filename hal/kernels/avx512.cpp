@@ -13,6 +13,7 @@
 
 #if defined(__x86_64__)
 #include <immintrin.h>
+#include <string.h>
 
 #include <spantex/coordinates.hpp>
 #include <spantex/footprint.hpp>
@@ -141,13 +142,13 @@ struct next_batch {
 
 // A batch's spans that are wanted and planned, bit k for span k; others that are wanted are left.
 SPANTEX_INLINE uint32_t spans_of(const row_work& work, const batch& b) {
-  uint32_t spans = 0;
-  for (int k = 0; k < min_of(batch_size, work.count - b.first); ++k) {
-    if (work.masks[b.first + k] == 0) continue;
-    if (b.usable >> k & 1) spans |= 1u << k;
-    else work.left[b.first + k] = true;
-  }
-  return spans;
+  const __mmask8 in_row = __mmask8((1u << min_of(batch_size, work.count - b.first)) - 1);
+  const v8 masks = _mm512_maskz_loadu_epi64(in_row, work.masks + b.first);
+  const uint32_t wanted = _mm512_test_epi64_mask(masks, masks), unusable = wanted & ~b.usable;
+  if (unusable != 0) [[unlikely]]
+    for (int k = 0; k < batch_size; ++k)
+      if (unusable >> k & 1) work.left[b.first + k] = true;
+  return wanted & b.usable;
 }
 
 // One after another.
@@ -317,6 +318,7 @@ void draw_row(const row_work& work) {
   const row_reader reader = Gathers ? gathering_reader() : loading_reader();
   plans_of_left<Kind> left;
   draw_row_by_blocks<Kind, Gathers>(work, left);
+  if (memchr(work.left, true, size_t(work.count)) == nullptr) return;
   span_mask rest[max_row_spans];
   int from = work.count, to = 0;
   for (int k = 0; k < work.count; ++k) {

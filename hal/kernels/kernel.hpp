@@ -24,7 +24,7 @@ struct row_work {
   const span_mask* masks;  // count of them; zero: nothing to draw
   rgba8* pixels;           // of the frame: pixel (0, 0)
   int32_t stride;
-  bool* left;              // count of them, false (unless `upright`): the kernel sets those of spans that it did not draw
+  bool* left;              // count of them, false: the kernel sets those of spans that it did not draw
   int32_t most_ratio = 4 << 16;    // log2_16(max_samples): of the axes of rows of samples (aniso)
   upright_row* upright = nullptr;  // what is known of the whole row (upright.hpp): then the kernel draws all of them and sets none of `left`
 };

@@ -3,6 +3,7 @@
 // draws a span.
 #pragma once
 #include <stdint.h>
+#include <string.h>
 
 #include <algorithm>
 
@@ -15,11 +16,14 @@ namespace spantex::kernels {
 
 namespace detail {
 
-// Spans of a row that may be drawn, and what of them.
+// Spans of a row that may be drawn, and what of them. One after another of an area's rows has it.
 struct row_masks {
   span_mask mask[max_row_spans];
   int from, to;  // those with something to draw lie in [from, to)
 };
+
+// The first of the spans [at, end) that is left; null: none.
+inline bool* next_left(bool* at, bool* end) { return static_cast<bool*>(memchr(at, true, size_t(end - at))); }
 
 // Rows of spans of an area: `cover` fills in the masks from span (first, sy) on, the kernel draws, and what it leaves goes through the renderer.
 template <class Renderer, class Cover, class... How>
@@ -32,9 +36,10 @@ status draw_rows(row_kernel kernel, const planar_map& texels, Renderer& scalar, 
   if (count > max_row_spans) return status::bad_size;
   const shortcut everywhere = shortcut_of(s, texels, area);
   upright_plane upright(s, area);
+  row_masks row;
+  bool left[max_row_spans];
+  std::fill_n(left, count, false);
   for (int32_t sy = area.y0 / span_side; sy <= (area.y1 - 1) / span_side; ++sy) {
-    row_masks row;
-    bool left[max_row_spans];
     counts.spans_total += uint64_t(count);
     cover(area, first, count, sy, row);
     if (row.from >= row.to) continue;
@@ -47,11 +52,10 @@ status draw_rows(row_kernel kernel, const planar_map& texels, Renderer& scalar, 
       continue;
     }
     work.upright = upright.row(sy);
-    if (work.upright == nullptr) std::fill_n(work.left, work.count, false);
     kernel(work);
-    if (work.upright != nullptr) continue;
-    for (int k = row.from; k < row.to; ++k) {
-      if (!left[k]) continue;
+    for (bool* at = left + row.from; (at = next_left(at, left + row.to)) != nullptr; ++at) {
+      *at = false;
+      const int k = int(at - left);
       --counts.jobs;
       counts.pixels -= uint64_t(__builtin_popcountll(row.mask[k]));
       SPANTEX_TRY(scalar.draw_span(s, first + k, sy, row.mask[k], how...));
@@ -67,15 +71,22 @@ status draw_rows(row_kernel kernel, const planar_map& texels, Renderer& scalar, 
 template <class Renderer, class... How>
 status draw_plane(row_kernel kernel, const planar_map& texels, Renderer& scalar, const plane& p, const texture_view& t, filter kind, rectangle area,
                   const frame_buffer& frame, draw_counters& counts, const How&... how) {
+  span_mask filled = 0;  // the last row's spans but for the ends
   const auto cover = [&](rectangle r, int32_t first, int count, int32_t sy, detail::row_masks& out) {
     const int32_t y0 = max_of(r.y0, sy * span_side), y1 = min_of(r.y1, (sy + 1) * span_side);
-    std::fill(out.mask, out.mask + count, rectangle_mask({0, y0, span_side, y1}, 0, sy));
-    out.mask[0] = rectangle_mask(r, first, sy);
-    out.mask[count - 1] = rectangle_mask(r, first + count - 1, sy);
-    out.from = 0;
-    out.to = count;
     counts.jobs += uint64_t(count);
     counts.pixels += uint64_t(r.x1 - r.x0) * uint64_t(y1 - y0);
+    out.from = 0;
+    out.to = count;
+    const span_mask inside = rectangle_mask({0, y0, span_side, y1}, 0, sy);
+    if (inside == filled) return;
+    std::fill(out.mask, out.mask + count, inside);
+    out.mask[0] = rectangle_mask(r, first, sy);
+    out.mask[count - 1] = rectangle_mask(r, first + count - 1, sy);
+    if (!scalar.keeps_some()) {
+      filled = inside;
+      return;
+    }
     for (int k = 0; k < count; ++k) {
       if (!scalar.keeps(first + k, sy)) continue;
       --counts.spans_total;
