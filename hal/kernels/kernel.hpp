@@ -4,6 +4,9 @@
 #pragma once
 #include <stdint.h>
 
+#include <new>
+#include <type_traits>
+
 #include <spantex/draw.hpp>
 #include <spantex/plane.hpp>
 #include "planar_map.hpp"
@@ -13,6 +16,24 @@ namespace spantex::kernels {
 inline constexpr int max_row_spans = 512;  // max_screen_side
 
 struct upright_row;
+
+// What a kernel finds of a plane in the first of its rows and keeps for the others.
+class row_memory {
+ public:
+  // Null where make(T&), asked once, says no.
+  template <class T, class Make>
+  const T* kept(Make make) {
+    static_assert(sizeof(T) <= sizeof bytes_ && alignof(T) <= alignment && std::is_trivially_destructible_v<T>);
+    if (holds_ == what::unknown) holds_ = make(*new (bytes_) T) ? what::it : what::nothing;
+    return holds_ == what::it ? reinterpret_cast<const T*>(bytes_) : nullptr;
+  }
+
+ private:
+  enum class what : uint8_t { unknown, it, nothing };
+  static constexpr size_t alignment = 64;
+  what holds_ = what::unknown;
+  alignas(alignment) unsigned char bytes_[2560];
+};
 
 struct row_work {
   const plane* map;
@@ -26,6 +47,7 @@ struct row_work {
   int32_t stride;
   bool* left;              // count of them, false: the kernel sets those of spans that it did not draw
   int32_t most_ratio = 4 << 16;    // log2_16(max_samples): of the axes of rows of samples (aniso)
+  row_memory* memory = nullptr;    // of all rows that are drawn of the plane, one after another
   upright_row* upright = nullptr;  // what is known of the whole row (upright.hpp): then the kernel draws all of them and sets none of `left`
 };
 

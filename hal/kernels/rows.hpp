@@ -36,6 +36,7 @@ status draw_rows(row_kernel kernel, const planar_map& texels, Renderer& scalar, 
   if (count > max_row_spans) return status::bad_size;
   const shortcut everywhere = shortcut_of(s, texels, area);
   upright_plane upright(s, area);
+  row_memory memory;
   row_masks row;
   bool left[max_row_spans];
   std::fill_n(left, count, false);
@@ -51,6 +52,7 @@ status draw_rows(row_kernel kernel, const planar_map& texels, Renderer& scalar, 
       draw_by(known, work);
       continue;
     }
+    work.memory = &memory;
     work.upright = upright.row(sy);
     kernel(work);
     for (bool* at = left + row.from; (at = next_left(at, left + row.to)) != nullptr; ++at) {

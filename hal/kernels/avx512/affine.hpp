@@ -6,30 +6,31 @@
 constexpr cut quads_of(int sections) { return sections == quads ? cut::square : cut::flat; }
 
 // affine_numbers, what pixels add to their span's centre, and where sections begin.
-struct affine_row : affine_numbers {
+struct affine_plane : affine_numbers {
   int sections, section_rows;              // sections of 8x8 texels: one of a span, two of its upper and lower half, four of its quads, or none; rows of texels that are taken of each
   alignas(64) int32_t u[most_scales][quads][16], v[most_scales][quads][16];
   alignas(64) int32_t least[quads][16];    // of a section: u of every scale in the lower half, v in the upper
+  affine_step step_u, step_v;              // from one batch to the next
 };
 
-// False: the row is drawn otherwise.
-inline bool begin_affine(const row_work& work, affine_row& row) {
-  if (!find_affine(work, row)) return false;
+// False: the plane is drawn otherwise.
+inline bool begin_affine(const plane& p, affine_plane& a) {
+  if (!find_affine(p, a)) return false;
   // Texels side by side that width x height pixels need at most.
   const auto texels = [&](const int32_t* x, const int32_t* y, int width, int height) {
     int most = 0;
-    for (int n = 0; n < row.scales; ++n) {
-      const uint64_t apart = 2 * (magnitude(x[n]) * uint64_t(width - 1) + magnitude(y[n]) * uint64_t(height - 1)), below_one = (uint64_t(1) << (row.most_fraction - n)) - 1;
-      most = max_of(most, int((apart + below_one) >> (row.most_fraction - n)) + 1);
+    for (int n = 0; n < a.scales; ++n) {
+      const uint64_t apart = 2 * (magnitude(x[n]) * uint64_t(width - 1) + magnitude(y[n]) * uint64_t(height - 1)), below_one = (uint64_t(1) << (a.most_fraction - n)) - 1;
+      most = max_of(most, int((apart + below_one) >> (a.most_fraction - n)) + 1);
     }
     return most;
   };
   const auto hold = [&](int width, int height) {
-    row.section_rows = texels(row.v_x, row.v_y, width, height);
-    return row.section_rows <= block_side && texels(row.u_x, row.u_y, width, height) <= block_side;
+    a.section_rows = texels(a.v_x, a.v_y, width, height);
+    return a.section_rows <= block_side && texels(a.u_x, a.u_y, width, height) <= block_side;
   };
-  row.sections = hold(span_side, span_side) ? 1 : hold(span_side, span_side / 2) ? 2 : hold(quad_side, quad_side) ? quads : 0;
-  const quad_cut& quad = cut_of(quads_of(row.sections));
+  a.sections = hold(span_side, span_side) ? 1 : hold(span_side, span_side / 2) ? 2 : hold(quad_side, quad_side) ? quads : 0;
+  const quad_cut& quad = cut_of(quads_of(a.sections));
   const auto lanes = [](const int32_t (&across)[quad_side], const int32_t (&down)[quad_side]) {
     const v16 rows = _mm512_setr_epi32(0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3);
     return _mm512_add_epi32(_mm512_broadcast_i32x4(four(across)), _mm512_permutexvar_epi32(rows, _mm512_castsi128_si512(four(down))));
@@ -44,16 +45,18 @@ inline bool begin_affine(const row_work& work, affine_row& row) {
     of[2] = _mm512_add_epi32(of[0], below);
     of[3] = _mm512_add_epi32(of[1], below);
     for (int k = 0; k < quads; ++k) _mm512_store_si512(to[k], of[k]);
-    for (int g = 0; g < row.sections; ++g) {
-      v16 least = of[g * quads / row.sections];
-      for (int k = g * quads / row.sections + 1; k < (g + 1) * quads / row.sections; ++k) least = _mm512_min_epi32(least, of[k]);
-      row.least[g][lane] = _mm512_reduce_min_epi32(least);
+    for (int g = 0; g < a.sections; ++g) {
+      v16 least = of[g * quads / a.sections];
+      for (int k = g * quads / a.sections + 1; k < (g + 1) * quads / a.sections; ++k) least = _mm512_min_epi32(least, of[k]);
+      a.least[g][lane] = _mm512_reduce_min_epi32(least);
     }
   };
-  for (int n = 0; n < row.scales; ++n) {
-    spread(row.u_x[n], row.u_y[n], row.u[n], n);
-    spread(row.v_x[n], row.v_y[n], row.v[n], batch_size + n);
+  for (int n = 0; n < a.scales; ++n) {
+    spread(a.u_x[n], a.u_y[n], a.u[n], n);
+    spread(a.v_x[n], a.v_y[n], a.v[n], batch_size + n);
   }
+  a.step_u = affine_step(p.u, a.w, batch_size);
+  a.step_v = affine_step(p.v, a.w, batch_size);
   return true;
 }
 
@@ -67,20 +70,19 @@ struct alignas(64) affine_batch {
 };
 
 // Plans of a row's batches, one after the other. Numerators are counted from the texels that are nearest the spans' centres, from batch to batch by an addition.
-class affine_plan {
+class affine_planner {
  public:
-  SPANTEX_INLINE affine_plan(const row_work& work, const affine_row& row) : map_(*work.texels), row_(row) {
+  SPANTEX_INLINE affine_planner(const row_work& work, const affine_plane& of) : map_(*work.texels), plane_(of) {
     const plane& p = *work.map;
     const int32_t cx = 2 * span_side * work.sx + span_side, cy = 2 * span_side * work.sy + span_side;
-    const auto begin = [&](const linear_form& f, axis& a) SPANTEX_INLINED {
+    const auto begin = [&](const linear_form& f, const affine_step& step, axis& a) SPANTEX_INLINED {
       const v8 spans = _mm512_mullo_epi64(_mm512_setr_epi64(0, 1, 2, 3, 4, 5, 6, 7), set(2 * span_side * f.x));
       divide(_mm512_add_epi64(set(p.value(f, cx, cy)), spans), a);
-      const affine_step step(f, row.w, batch_size);
       a.texels = _mm256_set1_epi32(step.texels);
       a.step = set(step.rest);
     };
-    begin(p.u, u_);
-    begin(p.v, v_);
+    begin(p.u, of.step_u, u_);
+    begin(p.v, of.step_v, v_);
   }
 
   template <int Sections>
@@ -88,16 +90,16 @@ class affine_plan {
     settle(u_);
     settle(v_);
     const v8 far_u = _mm512_abs_epi64(u_.c), far_v = _mm512_abs_epi64(v_.c);
-    const v8 zeros = _mm512_lzcnt_epi64(_mm512_max_epu64(_mm512_add_epi64(far_u, set(row_.reach_u)), _mm512_add_epi64(far_v, set(row_.reach_v))));
+    const v8 zeros = _mm512_lzcnt_epi64(_mm512_max_epu64(_mm512_add_epi64(far_u, set(plane_.reach_u)), _mm512_add_epi64(far_v, set(plane_.reach_v))));
     // quotient8()
     const v8 drop = _mm512_sub_epi64(of64<64 - 31>(), zeros);
     const auto mantissa = [&](v8 c, v8 far) SPANTEX_INLINED {
-      const v8 product = _mm512_mul_epu32(_mm512_srlv_epi64(far, drop), set(row_.w_inverse.y)), rounded = _mm512_srli_epi64(_mm512_add_epi64(product, of64<int64_t(1) << (affine_shift - 1)>()), affine_shift);
+      const v8 product = _mm512_mul_epu32(_mm512_srlv_epi64(far, drop), set(plane_.w_inverse.y)), rounded = _mm512_srli_epi64(_mm512_add_epi64(product, of64<int64_t(1) << (affine_shift - 1)>()), affine_shift);
       return _mm512_mask_sub_epi64(rounded, _mm512_movepi64_mask(c), _mm512_setzero_si512(), rounded);
     };
     const v16 lower = _mm512_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
     const v16 centre = _mm512_permutex2var_epi32(mantissa(u_.c, far_u), lower, mantissa(v_.c, far_v));
-    const v16 scale = _mm512_sub_epi32(set32(64 - row_.least_bits), _mm512_permutex2var_epi32(zeros, lower, zeros)), fraction = _mm512_sub_epi32(set32(row_.most_fraction), scale);
+    const v16 scale = _mm512_sub_epi32(set32(64 - plane_.least_bits), _mm512_permutex2var_epi32(zeros, lower, zeros)), fraction = _mm512_sub_epi32(set32(plane_.most_fraction), scale);
     const v16 start = _mm512_add_epi32(centre, _mm512_sllv_epi32(of32<1>(), _mm512_sub_epi32(fraction, of32<q.coordinate_bits + 1>()))), base = bases();
     _mm512_store_si512(b.centre, centre);
     _mm512_store_si512(b.base, base);
@@ -107,7 +109,7 @@ class affine_plan {
     __mmask16 held = Sections > 0 ? 0xFFFF : 0;
 #pragma GCC unroll 4
     for (int g = 0; g < Sections; ++g) {
-      const v16 texel = _mm512_srav_epi32(_mm512_add_epi32(start, _mm512_permutexvar_epi32(of_axis, _mm512_load_si512(row_.least[g]))), fraction), at = _mm512_add_epi32(base, texel);
+      const v16 texel = _mm512_srav_epi32(_mm512_add_epi32(start, _mm512_permutexvar_epi32(of_axis, _mm512_load_si512(plane_.least[g]))), fraction), at = _mm512_add_epi32(base, texel);
       held = __mmask16(held & _mm512_cmpge_epi32_mask(at, first) & _mm512_cmple_epi32_mask(at, last));
       _mm512_store_si512(b.from[g], _mm512_sub_epi32(start, _mm512_sllv_epi32(texel, fraction)));
       put(b.row_at[g], _mm256_add_epi32(_mm512_castsi512_si256(at), _mm256_mullo_epi32(_mm512_extracti64x4_epi64(at, 1), _mm256_set1_epi32(map_.row_stride()))));
@@ -124,21 +126,21 @@ class affine_plan {
   };
 
   SPANTEX_INLINE void divide(v8 n, axis& a) const {
-    const inverse8 inverse{set(row_.w_inverse.y), set(row_.w_inverse.exponent)};
+    const inverse8 inverse{set(plane_.w_inverse.y), set(plane_.w_inverse.exponent)};
     __mmask8 near = 0xFF;
-    const v8 base = whole_quotient8(n, set(spantex::bit_length(uint64_t(row_.w))), inverse, near);
-    a.c = _mm512_sub_epi64(n, _mm512_mullo_epi64(base, set(row_.w)));
+    const v8 base = whole_quotient8(n, set(spantex::bit_length(uint64_t(plane_.w))), inverse, near);
+    a.c = _mm512_sub_epi64(n, _mm512_mullo_epi64(base, set(plane_.w)));
     a.base = narrowed(base);
   }
   SPANTEX_INLINE void settle(axis& a) const {
-    if (_mm512_cmpgt_epu64_mask(_mm512_abs_epi64(a.c), set(most_certain(row_))) == 0) [[likely]] return;
-    divide(_mm512_add_epi64(a.c, _mm512_mullo_epi64(_mm512_cvtepi32_epi64(a.base), set(row_.w))), a);
+    if (_mm512_cmpgt_epu64_mask(_mm512_abs_epi64(a.c), set(most_certain(plane_))) == 0) [[likely]] return;
+    divide(_mm512_add_epi64(a.c, _mm512_mullo_epi64(_mm512_cvtepi32_epi64(a.base), set(plane_.w))), a);
   }
   SPANTEX_INLINE void advance(axis& a) const {
     a.c = _mm512_add_epi64(a.c, a.step);
     a.base = _mm256_add_epi32(a.base, a.texels);
-    const __mmask8 next = _mm512_cmpgt_epi64_mask(a.c, set(row_.w / 2));
-    a.c = _mm512_mask_sub_epi64(a.c, next, a.c, set(row_.w));
+    const __mmask8 next = _mm512_cmpgt_epi64_mask(a.c, set(plane_.w / 2));
+    a.c = _mm512_mask_sub_epi64(a.c, next, a.c, set(plane_.w));
     a.base = _mm256_mask_add_epi32(a.base, next, a.base, _mm256_set1_epi32(1));
   }
   SPANTEX_INLINE v16 bases() const {
@@ -150,7 +152,7 @@ class affine_plan {
   }
 
   const planar_map& map_;
-  const affine_row& row_;
+  const affine_plane& plane_;
   axis u_, v_;
 };
 
@@ -158,20 +160,20 @@ SPANTEX_INLINE v16 moved(const int32_t (&offsets)[16], int32_t by) { return _mm5
 
 // A span whose sections the map does not hold. Apart, so that what does the others keeps its registers.
 template <bool Gathers, cut How>
-[[gnu::noinline]] void draw_affine_beyond(const row_work& work, const affine_row& row, const affine_batch& b, int k, int span) {
+[[gnu::noinline]] void draw_affine_beyond(const row_work& work, const affine_plane& of, const affine_batch& b, int k, int span) {
   const int scale = b.scale[k], bits = b.fraction[k];
   draw_beyond<Gathers, How>(work, work.sx + span, work.masks[span], [&](int n) SPANTEX_INLINED {
-    return positions{moved(row.u[scale][n], b.centre[0][k]), moved(row.v[scale][n], b.centre[1][k]), b.base[0][k], b.base[1][k], bits, half_of(bits)};
+    return positions{moved(of.u[scale][n], b.centre[0][k]), moved(of.v[scale][n], b.centre[1][k]), b.base[0][k], b.base[1][k], bits, half_of(bits)};
   });
 }
 
 template <bool Gathers, int Sections, int TexelRows>
-void draw_affine(const row_work& work, const affine_row& row) {
+void draw_affine(const row_work& work, const affine_plane& of) {
   constexpr int pair = 2;  // batches, so that one's plan fills the gaps of the other's
   constexpr cut how = quads_of(Sections);
   constexpr int each = quads / max_of(Sections, 1);  // quads a section
   const planar_map& map = *work.texels;
-  affine_plan plan(work, row);
+  affine_planner plan(work, of);
   affine_batch two[pair];
   for (int first = 0; first < work.count; first += pair * batch_size) {
     for (affine_batch& b : two) plan.next<Sections>(b);
@@ -180,11 +182,11 @@ void draw_affine(const row_work& work, const affine_row& row) {
       const affine_batch& b = two[(span - first) / batch_size];
       const int k = (span - first) % batch_size;
       if (!(b.placed >> k & 1)) {
-        draw_affine_beyond<Gathers, how>(work, row, b, k, span);
+        draw_affine_beyond<Gathers, how>(work, of, b, k, span);
         continue;
       }
-      const auto& u = row.u[b.scale[k]];
-      const auto& v = row.v[b.scale[k]];
+      const auto& u = of.u[b.scale[k]];
+      const auto& v = of.v[b.scale[k]];
       v16 out[quads];
 #pragma GCC unroll 4
       for (int g = 0; g < Sections; ++g) {
@@ -201,18 +203,19 @@ void draw_affine(const row_work& work, const affine_row& row) {
 // False: the row is drawn otherwise.
 template <bool Gathers>
 bool draw_affine_row(const row_work& work) {
-  affine_row row;
-  if (!begin_affine(work, row)) return false;
+  const affine_plane* const kept = work.memory->kept<affine_plane>([&](affine_plane& a) { return begin_affine(*work.map, a); });
+  if (kept == nullptr || !is_near(work)) return false;
+  const affine_plane& of = *kept;
   const auto by_rows = [&]<int Sections>() {
-    if (row.section_rows <= 4) draw_affine<Gathers, Sections, 4>(work, row);
-    else if (row.section_rows <= 6) draw_affine<Gathers, Sections, 6>(work, row);
-    else draw_affine<Gathers, Sections, 8>(work, row);
+    if (of.section_rows <= 4) draw_affine<Gathers, Sections, 4>(work, of);
+    else if (of.section_rows <= 6) draw_affine<Gathers, Sections, 6>(work, of);
+    else draw_affine<Gathers, Sections, 8>(work, of);
   };
-  switch (row.sections) {
+  switch (of.sections) {
     case 1: by_rows.template operator()<1>(); break;
     case 2: by_rows.template operator()<2>(); break;
     case quads: by_rows.template operator()<quads>(); break;
-    default: draw_affine<Gathers, 0, block_side>(work, row);
+    default: draw_affine<Gathers, 0, block_side>(work, of);
   }
   return true;
 }

@@ -2,11 +2,30 @@
 // Vector kernels: nearest of planes that face the viewer, of maps whose texels a mask wraps (affine_numbers.hpp). Included by the machines' files alone.
 #pragma once
 
+// affine_numbers, and the offsets from a span's centre to its first row of pixels.
+struct affine_plane : affine_numbers {
+  alignas(sizeof(v)) int32_t first_u[most_scales][span_side], first_v[most_scales][span_side];
+  affine_step step_u, step_v;  // from one span to the next
+};
+
+// False: the plane is drawn otherwise.
+inline bool begin_affine(const plane& p, affine_plane& a) {
+  if (!find_affine(p, a)) return false;
+  for (int n = 0; n < a.scales; ++n)
+    for (int part = 0; part < parts; ++part) {
+      const auto put_first = [&](int32_t (&to)[span_side], int32_t x, int32_t y) { put(to + width * part, form(1 << (a.most_fraction - n - q.coordinate_bits - 1), x, y, part).at); };
+      put_first(a.first_u[n], a.u_x[n], a.u_y[n]);
+      put_first(a.first_v[n], a.v_x[n], a.v_y[n]);
+    }
+  a.step_u = affine_step(p.u, a.w, 1);
+  a.step_v = affine_step(p.v, a.w, 1);
+  return true;
+}
+
 // Centres of a row's spans, one after the other, in general registers: a processor finds them while vectors still draw the span before.
 class affine_centres {
  public:
-  affine_centres(const row_work& work, const affine_numbers& numbers)
-      : numbers_(numbers), u_(work, work.map->u, numbers), v_(work, work.map->v, numbers) {}
+  affine_centres(const row_work& work, const affine_plane& of) : numbers_(of), u_(work, work.map->u, of.step_u, of), v_(work, work.map->v, of.step_v, of) {}
 
   // An offset from a texel each.
   struct centre {
@@ -32,7 +51,7 @@ class affine_centres {
     int32_t base;
     affine_step step;
 
-    axis(const row_work& work, const linear_form& f, const affine_numbers& n) : step(f, n.w, 1) {
+    axis(const row_work& work, const linear_form& f, const affine_step& to_next, const affine_numbers& n) : step(to_next) {
       divide(work.map->value(f, 2 * span_side * work.sx + span_side, 2 * span_side * work.sy + span_side), n);
     }
     void divide(int64_t numerator, const affine_numbers& n) {
@@ -65,18 +84,12 @@ class affine_centres {
 
 // False: the row is drawn otherwise.
 SPANTEX_INLINE bool draw_affine_row(const row_work& work) {
-  affine_numbers numbers;
-  if (!find_affine(work, numbers)) return false;
+  const affine_plane* const of_plane = work.memory->kept<affine_plane>([&](affine_plane& a) { return begin_affine(*work.map, a); });
+  if (of_plane == nullptr || !is_near(work)) return false;
+  const affine_plane& numbers = *of_plane;
   const row_levels& map = work.texels->levels_in_rows();
   on_level<int32_t> l;
   for (int k = 0; k < row_levels::field_count; ++k) l.field[k] = set(map.value(row_levels::field(k), 0));
-  alignas(sizeof(v)) int32_t first_u[affine_numbers::most_scales][span_side], first_v[affine_numbers::most_scales][span_side];
-  for (int n = 0; n < numbers.scales; ++n)
-    for (int part = 0; part < parts; ++part) {
-      const auto put_first = [&](int32_t (&to)[span_side], int32_t x, int32_t y) { put(to + width * part, form(1 << (numbers.most_fraction - n - q.coordinate_bits - 1), x, y, part).at); };
-      put_first(first_u[n], numbers.u_x[n], numbers.u_y[n]);
-      put_first(first_v[n], numbers.v_x[n], numbers.v_y[n]);
-    }
   affine_centres centres(work, numbers);
   for (int k = 0; k < work.count; ++k) {
     const affine_centres::centre c = centres.next();
@@ -86,8 +99,8 @@ SPANTEX_INLINE bool draw_affine_row(const row_work& work) {
     alignas(sizeof(v)) int32_t places[span_pixel_count];
     v u[parts], w[parts];
     for (int part = 0; part < parts; ++part) {
-      u[part] = get(first_u[c.scale] + width * part) + c.u;
-      w[part] = get(first_v[c.scale] + width * part) + c.v;
+      u[part] = get(numbers.first_u[c.scale] + width * part) + c.u;
+      w[part] = get(numbers.first_v[c.scale] + width * part) + c.v;
     }
 #pragma GCC unroll 2
     for (int n = 0; n < groups; ++n) {
