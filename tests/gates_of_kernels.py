@@ -12,7 +12,7 @@ KERNEL_GATES = [
     ("vector kernels: the inverse of half of W where planes face the viewer", "hal/kernels/vectors/plan_lanes.hpp", "invert(w_, w_bits_, y_);", "invert(w_ >> 1, w_bits_, y_);", "kernels", "turned_planes_that*", KERNELS),
     ("vector kernels: a texel nearest a span's centre told without the division", "hal/kernels/vectors/affine.hpp", "if (far > uint64_t(most_certain(n)))", "if (false)", "kernels", "turned_planes_by*", KERNELS),
     ("kernels: the first row's masks for all rows", "hal/kernels/rows.hpp", "if (inside == filled) return;", "if (filled != 0) return;", "kernels", "nothing_is*", KERNELS),
-    ("kernels: planes that face the viewer whose bases have more than 15 bits", "hal/kernels/vectors/affine_numbers.hpp", "return is_near_at(work.sx) && is_near_at(work.sx + work.count - 1);", "return true;", "kernels", "positions_next*", KERNELS),
+    ("kernels: planes that face the viewer whose bases have more than 15 bits", "hal/kernels/vectors/affine_numbers.hpp", "return is_near_at(work.sx) && is_near_at(work.sx + work.count - 1);", "return is_near_at(work.sx) || true;", "kernels", "positions_next*", KERNELS),
     ("vector kernels: a row's first scale for all its spans", "hal/kernels/vectors/affine.hpp", "get(numbers.first_u[c.scale]", "get(numbers.first_u[0]", "kernels", "turned_planes_by*", KERNELS),
     ("vector kernels: offsets of planes that face the viewer not rounded", "hal/kernels/vectors/affine.hpp", "1 << (a.most_fraction - n - q.coordinate_bits - 1)", "0", "kernels", "turned_planes_by*", KERNELS),
     ("vector kernels: parts of spans moved as whole ones", "hal/kernels/vectors/spans.hpp", "if (moves_texels && mask == ~span_mask(0)) return", "if (moves_texels) return", "kernels", "turned_planes_by*", KERNELS),

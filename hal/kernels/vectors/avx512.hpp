@@ -23,6 +23,9 @@ SPANTEX_INLINE v_s64 size_of(v_s64 x) { return v_s64(_mm512_abs_epi64(raw(x))); 
 SPANTEX_INLINE v_64 rounded_shift(v_64 x, v_64 shift) { return (x + ((v_64{} + 1) << (shift - 1))) >> shift; }
 SPANTEX_INLINE v_s64 bit_lengths(v_s64 x) { return 64 - v_s64(_mm512_lzcnt_epi64(raw(x))); }
 
+// The lower halves of one's 64-bit lanes and the upper halves of the other's.
+SPANTEX_INLINE v lower_and_upper(v_64 lower, v_64 upper) { return v(_mm512_mask_mov_epi32(raw(lower), 0xAAAA, raw(upper))); }
+
 // Of the even lanes.
 SPANTEX_INLINE v_64 wide_products(v_64 a, v_64 b) { return v_64(_mm512_mul_epu32(raw(a), raw(b))); }
 SPANTEX_INLINE v_64 wide_signed_products(v_64 a, v_64 b) { return v_64(_mm512_mul_epi32(raw(a), raw(b))); }

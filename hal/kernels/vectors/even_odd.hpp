@@ -10,14 +10,14 @@ SPANTEX_INLINE wide signed_products(v a, v b) { return products_from(a, b, [](v_
 
 SPANTEX_INLINE v_64 rounded_shift(v_64 x, int shift) { return down_by(x + (uint64_t(1) << (shift - 1)), shift); }  // to nearest, halves up
 
-SPANTEX_INLINE v narrowed(const wide& x) { return v((x.first & 0xFFFFFFFF) | x.second << 32); }
+SPANTEX_INLINE v narrowed(const wide& x) { return lower_and_upper(x.first, x.second << 32); }
 
-SPANTEX_INLINE v upper_halves(const wide& x) { return v((x.first >> 32) | (x.second & 0xFFFFFFFF00000000)); }
+SPANTEX_INLINE v upper_halves(const wide& x) { return lower_and_upper(x.first >> 32, x.second); }
 
 // After a rounded shift by 32 or more.
 SPANTEX_INLINE v narrowed(const wide& x, int shift) {
   const uint64_t half = uint64_t(1) << (shift - 1);
-  return down_by(v(((x.first + half) >> 32) | ((x.second + half) & 0xFFFFFFFF00000000)), shift - 32);
+  return down_by(lower_and_upper((x.first + half) >> 32, x.second + half), shift - 32);
 }
 
 // reciprocal_wide()

@@ -28,6 +28,9 @@ SPANTEX_INLINE v product_with_slope(v x, v slope, int slope_log2) { return ((x >
 SPANTEX_INLINE v level_of_slope(v slope, int slope_log2) { return (slope * int32_t(level_factor.raw())) >> (11 - slope_log2); }
 SPANTEX_INLINE v small_products(v a, v b) { return a * b; }  // of numbers from 0 to 2^15 - 1
 
+// The lower halves of one's 64-bit lanes and the upper halves of the other's.
+SPANTEX_INLINE v lower_and_upper(v_64 lower, v_64 upper) { return v((lower & 0xFFFFFFFF) | (upper & 0xFFFFFFFF00000000)); }
+
 // Of the even lanes.
 SPANTEX_INLINE v_64 wide_products(v_64 a, v_64 b) { return (a & 0xFFFFFFFF) * (b & 0xFFFFFFFF); }
 SPANTEX_INLINE v_64 wide_signed_products(v_64 a, v_64 b) {

@@ -35,6 +35,15 @@ SPANTEX_INLINE bool all_equal(v a, int32_t b) { return SPANTEX_OP(movemask_epi8)
 SPANTEX_INLINE v_s64 size_of(v_s64 x) { return negated_where(x, x < 0); }
 SPANTEX_INLINE v_64 rounded_shift(v_64 x, v_64 shift) { return (x + ((v_64{} + 1) << (shift - 1))) >> shift; }
 
+// The lower halves of one's 64-bit lanes and the upper halves of the other's.
+SPANTEX_INLINE v lower_and_upper(v_64 lower, v_64 upper) {
+#if SPANTEX_AVX2
+  return v(_mm256_blend_epi32(raw(lower), raw(upper), 0xAA));
+#else
+  return v(_mm_blend_epi16(raw(lower), raw(upper), 0xCC));
+#endif
+}
+
 // Of the even lanes.
 SPANTEX_INLINE v_64 wide_products(v_64 a, v_64 b) { return v_64(SPANTEX_OP(mul_epu32)(raw(a), raw(b))); }
 SPANTEX_INLINE v_64 wide_signed_products(v_64 a, v_64 b) { return v_64(SPANTEX_OP(mul_epi32)(raw(a), raw(b))); }
