@@ -16,11 +16,12 @@ namespace {
 
 struct band { int32_t y0, y1; };  // pixel rows; whole span rows
 
-struct band_counts {
+// Of the bands that a thread drew.
+struct alignas(64) band_counts {
   draw_counters work;
   skip_counters skipped;
   counters machine;
-  uint64_t blocks_decoded = 0;
+  uint64_t cycles_of_all_machines = 0, blocks_decoded = 0;
 };
 
 // A host kernel and the maps made ready for it; null and none where the scalar engine draws.
@@ -205,6 +206,20 @@ void add(skip_counters& sum, const skip_counters& c) {
   sum.pixels_opaque += c.pixels_opaque;
 }
 
+void add(counters& sum, const counters& c) {
+  sum.total_cycles = later(sum.total_cycles, c.total_cycles);
+  sum.load_cycles += c.load_cycles;
+  sum.compute_cycles += c.compute_cycles;
+  sum.hidden_load_cycles += c.hidden_load_cycles;
+  sum.stall_cycles += c.stall_cycles;
+  sum.words_loaded += c.words_loaded;
+  sum.fetches += c.fetches;
+  sum.texel_reads += c.texel_reads;
+  sum.bank_conflicts += c.bank_conflicts;
+  sum.jobs += c.jobs;
+  sum.pixels += c.pixels;
+}
+
 // What is nearest everywhere in the band, before anything is filtered there.
 void lay_depths_of(const scene& s, band b, const target& out, draw_counters& counts) {
   const int32_t width = s.size.width_px, columns = out.columns();
@@ -248,7 +263,8 @@ status draw_band_with(const Prof& prof, const scene& s, const draw_options& o, b
   }
   const auto engine = std::make_unique<sim_engine<Prof, Fine>>(prof, o.table, o.sink);
   SPANTEX_TRY(draw_band(prof, *engine, s, o, b, out, counts));
-  counts.machine = engine->counters();
+  add(counts.machine, engine->counters());
+  counts.cycles_of_all_machines += engine->counters().total_cycles;
   return status::ok;
 }
 
@@ -272,30 +288,16 @@ status draw_band_by_profile(const scene& s, const draw_options& o, band b, const
   return status::out_of_range;
 }
 
-void add(counters& sum, const counters& c) {
-  sum.total_cycles = later(sum.total_cycles, c.total_cycles);
-  sum.load_cycles += c.load_cycles;
-  sum.compute_cycles += c.compute_cycles;
-  sum.hidden_load_cycles += c.hidden_load_cycles;
-  sum.stall_cycles += c.stall_cycles;
-  sum.words_loaded += c.words_loaded;
-  sum.fetches += c.fetches;
-  sum.texel_reads += c.texel_reads;
-  sum.bank_conflicts += c.bank_conflicts;
-  sum.jobs += c.jobs;
-  sum.pixels += c.pixels;
-}
-
 // One repetition; the time of drawing alone.
 double draw_once(const scene& s, const draw_options& o, const prepared& ready, const std::vector<uint8_t>& kept, const band_shares& shares, thread_team& team,
                  draw_result& result, frame_depths& depth) {
   const std::vector<band>& bands = shares.bands;
-  std::vector<band_counts> counts(bands.size());
+  std::vector<band_counts> counts(size_t(team.size()));
   const target out{result.picture, depth, ready, kept};
-  team.run_by_shares(shares.starts, [&](int k) { clear(out, bands[size_t(k)], o.background); });
+  team.run_by_shares(shares.starts, [&](int k, int) { clear(out, bands[size_t(k)], o.background); });
   const auto begun = std::chrono::steady_clock::now();
-  team.run_by_shares(shares.starts, [&](int k) {
-    const status done = draw_band_by_profile(s, o, bands[size_t(k)], out, counts[size_t(k)]);
+  team.run_by_shares(shares.starts, [&](int k, int thread) {
+    const status done = draw_band_by_profile(s, o, bands[size_t(k)], out, counts[size_t(thread)]);
     if (done != status::ok) throw input_error(s.name + ": " + to_string(done));
   });
   const double ns = std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now() - begun).count();
@@ -310,7 +312,7 @@ double draw_once(const scene& s, const draw_options& o, const prepared& ready, c
     add(result.skipped, c.skipped);
     add(result.machine, c.machine);
     result.blocks_decoded += c.blocks_decoded;
-    result.cycles_of_all_machines += c.machine.total_cycles;
+    result.cycles_of_all_machines += c.cycles_of_all_machines;
   }
   return ns;
 }

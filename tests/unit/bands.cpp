@@ -123,7 +123,7 @@ SPANTEX_CASE(a_team_does_everything_once) {
     for (const int count : {0, 1, 2, 5, 6, 7, 8, 100, 1000}) {
       std::vector<std::atomic<int>> times(static_cast<size_t>(count));
       team.run(count, [&](int k) { ++times[size_t(k)]; });
-      team.run_by_shares(equal_shares(count, threads), [&](int k) { ++times[size_t(k)]; });
+      team.run_by_shares(equal_shares(count, threads), [&](int k, int) { ++times[size_t(k)]; });
       for (const std::atomic<int>& t : times) assert_int_equal(t.load(), 2);
     }
     std::atomic<int> done{0};
@@ -170,7 +170,7 @@ SPANTEX_CASE(threads_keep_their_shares) {
   std::thread::id by[2][threads * each];
   for (auto& now : by) {
     std::barrier in_step(threads);  // so that nobody has time to help
-    team.run_by_shares(equal_shares(threads * each, threads), [&](int k) {
+    team.run_by_shares(equal_shares(threads * each, threads), [&](int k, int) {
       now[k] = std::this_thread::get_id();
       in_step.arrive_and_wait();
     });
