@@ -17,7 +17,7 @@ namespace {
 struct band { int32_t y0, y1; };  // pixel rows; whole span rows
 
 // Of the bands that a thread drew.
-struct alignas(64) band_counts {
+struct alignas(64) thread_counts {
   draw_counters work;
   skip_counters skipped;
   counters machine;
@@ -239,7 +239,7 @@ void lay_depths_of(const scene& s, band b, const target& out, draw_counters& cou
 }
 
 template <class Prof, class Engine>
-status draw_band(const Prof& prof, Engine& engine, const scene& s, const draw_options& o, band b, const target& out, band_counts& counts) {
+status draw_band(const Prof& prof, Engine& engine, const scene& s, const draw_options& o, band b, const target& out, thread_counts& counts) {
   for (const texture_map& map : *s.maps)
     if (const uint64_t words = map.words_uploaded(); words != 0) engine.mark({event_kind::map_upload, uint32_t(words)});
   const run_time_skips skips{o.port == nullptr ? o.skips : o.skips & default_skips, {0, b.y0, s.size.width_px, b.y1}, out.kept.empty() ? nullptr : out.kept.data(), out.columns()};
@@ -255,7 +255,7 @@ status draw_band(const Prof& prof, Engine& engine, const scene& s, const draw_op
 }
 
 template <class Prof, int Fine = Prof::max_fine_side>
-status draw_band_with(const Prof& prof, const scene& s, const draw_options& o, band b, const target& out, band_counts& counts) {
+status draw_band_with(const Prof& prof, const scene& s, const draw_options& o, band b, const target& out, thread_counts& counts) {
   if (o.port != nullptr) return draw_band(prof, *o.port, s, o, b, out, counts);
   if (o.engine == engine_choice::direct) {
     direct_engine<Prof, Fine> engine(prof);
@@ -269,7 +269,7 @@ status draw_band_with(const Prof& prof, const scene& s, const draw_options& o, b
 }
 
 // The local memory is the profile's.
-status draw_band_at_run_time(const run_time_profile& prof, const scene& s, const draw_options& o, band b, const target& out, band_counts& counts) {
+status draw_band_at_run_time(const run_time_profile& prof, const scene& s, const draw_options& o, band b, const target& out, thread_counts& counts) {
   switch (prof.value.fine_side) {
     case 8: return draw_band_with<run_time_profile, 8>(prof, s, o, b, out, counts);
     case 16: return draw_band_with<run_time_profile, 16>(prof, s, o, b, out, counts);
@@ -277,7 +277,7 @@ status draw_band_at_run_time(const run_time_profile& prof, const scene& s, const
   }
 }
 
-status draw_band_by_profile(const scene& s, const draw_options& o, band b, const target& out, band_counts& counts) {
+status draw_band_by_profile(const scene& s, const draw_options& o, band b, const target& out, thread_counts& counts) {
   if (o.changes.any()) return draw_band_at_run_time({profile_of(o.profile, o.changes)}, s, o, b, out, counts);
   switch (o.profile) {
     case profile_choice::seed: return draw_band_with(fixed_profile<profiles::seed>{}, s, o, b, out, counts);
@@ -292,7 +292,7 @@ status draw_band_by_profile(const scene& s, const draw_options& o, band b, const
 double draw_once(const scene& s, const draw_options& o, const prepared& ready, const std::vector<uint8_t>& kept, const band_shares& shares, thread_team& team,
                  draw_result& result, frame_depths& depth) {
   const std::vector<band>& bands = shares.bands;
-  std::vector<band_counts> counts(size_t(team.size()));
+  std::vector<thread_counts> counts(size_t(team.size()));
   const target out{result.picture, depth, ready, kept};
   team.run_by_shares(shares.starts, [&](int k, int) { clear(out, bands[size_t(k)], o.background); });
   const auto begun = std::chrono::steady_clock::now();
@@ -307,7 +307,7 @@ double draw_once(const scene& s, const draw_options& o, const prepared& ready, c
   result.blocks_decoded = 0;
   result.machines = int(bands.size());
   result.cycles_of_all_machines = 0;
-  for (const band_counts& c : counts) {
+  for (const thread_counts& c : counts) {
     add(result.work, c.work);
     add(result.skipped, c.skipped);
     add(result.machine, c.machine);

@@ -53,10 +53,10 @@ class thread_team {
       boxes_[k].take = [](thread_team& team, void* of, int thread) { team.take_shares(*static_cast<Work*>(of), thread); };
       boxes_[k].work = &work;
     }
-    const int round = boxes_[0].round + 1;
-    for (mailbox& box : boxes_) {
-      box.round = round;
-      box.round.notify_one();
+    const int round = ++boxes_[0].round;
+    for (size_t k = 1; k < boxes_.size(); ++k) {
+      boxes_[k].round = round;
+      boxes_[k].round.notify_one();
     }
     take_shares(work, 0);
     for (size_t k = 1; k < boxes_.size(); ++k)

@@ -13,7 +13,7 @@ KERNEL_GATES = [
     ("vector kernels: a texel nearest a span's centre told without the division", "hal/kernels/vectors/affine.hpp", "if (far > uint64_t(most_certain(n)))", "if (false)", "kernels", "turned_planes_by*", KERNELS),
     ("kernels: the first row's masks for all rows", "hal/kernels/rows.hpp", "if (inside == filled) return;", "if (filled != 0) return;", "kernels", "nothing_is*", KERNELS),
     ("kernels: planes that face the viewer whose bases have more than 15 bits", "hal/kernels/vectors/affine_numbers.hpp", "return is_near_at(work.sx) && is_near_at(work.sx + work.count - 1);", "return is_near_at(work.sx) || true;", "kernels", "positions_next*", KERNELS),
-    ("vector kernels: a row's first scale for all its spans", "hal/kernels/vectors/affine.hpp", "get(numbers.first_u[c.scale]", "get(numbers.first_u[0]", "kernels", "turned_planes_by*", KERNELS),
+    ("vector kernels: a row's first scale for all its spans", "hal/kernels/vectors/affine.hpp", "get(common.first_u[c.scale]", "get(common.first_u[0]", "kernels", "turned_planes_by*", KERNELS),
     ("vector kernels: offsets of planes that face the viewer not rounded", "hal/kernels/vectors/affine.hpp", "1 << (a.most_fraction - n - q.coordinate_bits - 1)", "0", "kernels", "turned_planes_by*", KERNELS),
     ("vector kernels: parts of spans moved as whole ones", "hal/kernels/vectors/spans.hpp", "if (moves_texels && mask == ~span_mask(0)) return", "if (moves_texels) return", "kernels", "turned_planes_by*", KERNELS),
     ("AVX2: the first of two groups of spans planned as the second", "hal/kernels/vectors/plan_lanes.hpp", "step(groups[n], k + n * wide_lanes);", "step(groups[0], k + n * wide_lanes);", "kernels", "random_planes*", KERNELS),

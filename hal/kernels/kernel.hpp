@@ -17,21 +17,25 @@ inline constexpr int max_row_spans = 512;  // max_screen_side
 
 struct upright_row;
 
-// What a kernel finds of a plane in the first of its rows and keeps for the others.
+// What a kernel finds of a plane in the first of its rows and keeps for the others; of one type at a time.
 class row_memory {
  public:
   // Null where make(T&), asked once, says no.
   template <class T, class Make>
   const T* kept(Make make) {
     static_assert(sizeof(T) <= sizeof bytes_ && alignof(T) <= alignment && std::is_trivially_destructible_v<T>);
-    if (holds_ == what::unknown) holds_ = make(*new (bytes_) T) ? what::it : what::nothing;
-    return holds_ == what::it ? reinterpret_cast<const T*>(bytes_) : nullptr;
+    if (of_ != &name_of<T>) {
+      of_ = &name_of<T>;
+      made_ = make(*new (bytes_) T);
+    }
+    return made_ ? reinterpret_cast<const T*>(bytes_) : nullptr;
   }
 
  private:
-  enum class what : uint8_t { unknown, it, nothing };
+  template <class T> static constexpr char name_of = 0;  // its address
   static constexpr size_t alignment = 64;
-  what holds_ = what::unknown;
+  const char* of_ = nullptr;
+  bool made_ = false;
   alignas(alignment) unsigned char bytes_[2560];
 };
 

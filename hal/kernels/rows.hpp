@@ -16,7 +16,7 @@ namespace spantex::kernels {
 
 namespace detail {
 
-// Spans of a row that may be drawn, and what of them. One after another of an area's rows has it.
+// Spans of a row that may be drawn, and what of them.
 struct row_masks {
   span_mask mask[max_row_spans];
   int from, to;  // those with something to draw lie in [from, to)
@@ -25,7 +25,7 @@ struct row_masks {
 // The first of the spans [at, end) that is left; null: none.
 inline bool* next_left(bool* at, bool* end) { return static_cast<bool*>(memchr(at, true, size_t(end - at))); }
 
-// Rows of spans of an area: `cover` fills in the masks from span (first, sy) on, the kernel draws, and what it leaves goes through the renderer.
+// Rows of spans of an area: `cover` makes the masks those from span (first, sy) on, of those of the row before; the kernel draws, and what it leaves goes through the renderer.
 template <class Renderer, class Cover, class... How>
 status draw_rows(row_kernel kernel, const planar_map& texels, Renderer& scalar, const surface& s, rectangle area, const frame_buffer& frame, draw_counters& counts, Cover cover,
                  const How&... how) {
@@ -73,7 +73,7 @@ status draw_rows(row_kernel kernel, const planar_map& texels, Renderer& scalar, 
 template <class Renderer, class... How>
 status draw_plane(row_kernel kernel, const planar_map& texels, Renderer& scalar, const plane& p, const texture_view& t, filter kind, rectangle area,
                   const frame_buffer& frame, draw_counters& counts, const How&... how) {
-  span_mask filled = 0;  // the last row's spans but for the ends
+  span_mask filled = 0;  // what the row before has in all spans but the ends; 0 where some are kept
   const auto cover = [&](rectangle r, int32_t first, int count, int32_t sy, detail::row_masks& out) {
     const int32_t y0 = max_of(r.y0, sy * span_side), y1 = min_of(r.y1, (sy + 1) * span_side);
     counts.jobs += uint64_t(count);

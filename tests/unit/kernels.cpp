@@ -155,7 +155,7 @@ SPANTEX_CASE(walls_to_the_side) {
 
 // Quads wider than their pixels' steps let one expect: u grows across and down alike. And texels that take many pixels: offsets are smaller than one, with many bits.
 SPANTEX_CASE(sheared_and_magnified_planes) {
-  const ready_map map(random_map(512, 512), wrap::repeat), small(random_map(64, 64), wrap::repeat);
+  const ready_map map(random_map(512, 512), wrap::repeat), small(random_map(64, 64), wrap::repeat), uneven(random_map(500, 375), wrap::repeat);
   for (const double scale : {1.35, 1.9, 2.7, 5.4, 0.11, 0.021, 0.006, 0.0013})
     for (const double other : {0.04, -0.3}) {
       const double m[9] = {scale, scale, 100.4, other * scale, -other * scale, 20.4, 0, 0.0001 * scale, 1};
@@ -163,9 +163,10 @@ SPANTEX_CASE(sheared_and_magnified_planes) {
       SPANTEX_ASSERT_OK(make_plane(homography_of(m), {0, 0, 160, 96}, p));
       for (const filter kind : filters) draw_all(p, map, kind, {0, 0, 160, 96}, 160, 96);
       if (scale < 1) continue;
+      for (const filter kind : {filter::mip_bilinear, filter::trilinear}) draw_all(p, uneven, kind, {0, 0, 160, 96}, 160, 96);
       const double turned[9] = {m[3], m[4], m[5], m[0], m[1], m[2], m[6], m[7], m[8]};  // more rows than columns
       SPANTEX_ASSERT_OK(make_plane(homography_of(turned), {0, 0, 160, 96}, p));
-      for (const ready_map* each : {&map, &small})
+      for (const ready_map* each : {&map, &small, &uneven})
         for (const filter kind : {filter::mip_bilinear, filter::trilinear}) draw_all(p, *each, kind, {0, 0, 160, 96}, 160, 96);
     }
 }
@@ -272,6 +273,13 @@ SPANTEX_CASE(positions_next_to_the_end_of_the_range) {
   for (const wrap w : wraps) {
     const ready_map map(random_map(64, 64), w);
     for (const filter kind : filters) draw_all(in_65536ths({-806400, 0, 32512000, 0, 1024, 0, -64, 0, 1280}), map, kind, {0, 0, 8, 8}, 8, 8);
+    // W constant: beyond it at the right; half way to it within the picture.
+    for (const auto& [u, v] : {std::pair{32700, 20}, {100, 16350}}) {
+      const double m[9] = {0.8, -0.3, double(u), 0.3, 0.8, double(v), 0, 0, 1};
+      plane p{};
+      SPANTEX_ASSERT_OK(make_plane(homography_of(m), {0, 0, 160, 96}, p));
+      for (const filter kind : filters) draw_all(p, map, kind, {0, 0, 160, 96}, 160, 96);
+    }
   }
 }
 

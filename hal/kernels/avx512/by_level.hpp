@@ -356,7 +356,7 @@ template <bool TwoLevels, int Channels>
 [[gnu::noinline]] void blend_rare(const row_work& work, const batch& b, int k, bool alone, bool crossing, const span_pixels& pixels, const batch_places& p) {
   const bool deep = p.deep >> k & 1, high = p.high >> k & 1, broad = p.broad >> k & 1, coarse_broad = p.coarse_broad >> k & 1;
   const auto blended = [&]<taken Levels, held_in Fine, held_in After>() SPANTEX_INLINED { blend_placed<TwoLevels, Channels, Levels, Fine, After>(work, b, k, pixels, p); };
-  const auto by_width = [&]<taken Levels>() SPANTEX_INLINED {
+  const auto by_width = [&]<taken Levels>() SPANTEX_INLINED {  // coarser sections are broad where the fine one is, and high nowhere
     if (coarse_broad) blended.template operator()<Levels, held_in::full, held_in::full>();
     else if (high) blended.template operator()<Levels, held_in::high, held_in::narrow>();
     else broad ? blended.template operator()<Levels, held_in::full, held_in::narrow>() : blended.template operator()<Levels, held_in::narrow, held_in::narrow>();

@@ -11,7 +11,7 @@ constexpr int up_of_one = 2, up_between = 1;
 
 // Addresses and weights of sixteen pixels on one level, four bytes a pixel: texels (0,0) (1,0) (0,1) (1,1).
 struct samples {
-  v16 index;           // column, 8 row: what a byte permute of two registers takes
+  v16 index;           // column + 8 row: what a byte permute takes of one register or two
   __mmask64 second;    // of broad sections: those that lie in the second eight columns; of high ones, in the third eight rows
   v16 u, v;            // weights: 128 - f, f of 128 in bytes; the same of 2^(7 + Up) in words
 };
@@ -113,10 +113,13 @@ SPANTEX_INLINE v16 fetch16(const quad_section<Where>& from, int channel, const s
       const auto block = [&](int at) SPANTEX_INLINED { return _mm512_loadu_si512(from.at[at][r] + channel * channel_bytes); };
       return _mm512_shrdv_epi64(block(c), block(c + 1), from.shift);
     };
-    if constexpr (quad_section<Where>::eights == 1) return _mm512_permutexvar_epi8(s.index, rows(0));
-    const v16 upper_rows = _mm512_permutex2var_epi8(rows(0), s.index, rows(1));
-    if constexpr (Where == held_in::high) return _mm512_mask_permutexvar_epi8(upper_rows, s.second, s.index, rows(2));
-    return upper_rows;
+    if constexpr (quad_section<Where>::eights == 1) {
+      return _mm512_permutexvar_epi8(s.index, rows(0));
+    } else {
+      const v16 upper_rows = _mm512_permutex2var_epi8(rows(0), s.index, rows(1));
+      if constexpr (Where == held_in::high) return _mm512_mask_permutexvar_epi8(upper_rows, s.second, s.index, rows(2));
+      else return upper_rows;
+    }
   };
   if constexpr (is_broad(Where)) return _mm512_mask_mov_epi8(half(0), s.second, half(1));
   else return half(0);

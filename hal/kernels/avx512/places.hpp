@@ -92,7 +92,7 @@ SPANTEX_INLINE section_kinds find_sections(const planar_map& map, v16 levels, co
     first[n] = from;
     const __mmask16 two = _mm512_cmpgt_epi32_mask(size, of32<block_side - 1>());
     more |= two;
-    // Where blocks repeat, the last one that is read must be one of the map's: that of the end's column, or of the second eight rows.
+    // Where blocks repeat, the last one that is read must be one of the map's: that of the end's column, or of the last eight rows.
     const v16 begun = counted(from);
     v16 next = _mm512_mask_add_epi32(begun, two, begun, step);
     if constexpr (High) {
@@ -222,14 +222,15 @@ SPANTEX_WRAPS SPANTEX_INLINE void place_spans(const row_work& work, const batch&
   const quad_ends ends(quad_bounds::divided(b));
   const section_kinds kinds = find_sections<true>(*work.texels, fine, ends, false, p.fine);
   some &= kinds.here;
+  const uint32_t high = kinds.high & some;
   // Positions modulo 16 texels of the last level that is taken fit 32 bits, and modulo 32 of one whose sections are high.
   const __m256i given = bits_of(b);
-  const __m256i after_fine = _mm256_mask_mov_epi32(_mm256_maskz_set1_epi32(__mmask8(~alone | kinds.high), 1), __mmask8(crossing), _mm256_set1_epi32(2)), bits_and_level = _mm256_add_epi32(given, _mm256_add_epi32(fine, after_fine));
+  const __m256i after_fine = _mm256_mask_mov_epi32(_mm256_maskz_set1_epi32(__mmask8(~alone | high), 1), __mmask8(crossing), _mm256_set1_epi32(2)), bits_and_level = _mm256_add_epi32(given, _mm256_add_epi32(fine, after_fine));
   const __m256i excess = _mm256_max_epi32(_mm256_sub_epi32(bits_and_level, _mm256_set1_epi32(28)), _mm256_setzero_si256()), bits = _mm256_sub_epi32(given, excess);
   const auto find_after = [&](uint32_t without, __m256i level, batch_sections& out) SPANTEX_INLINED {
     if ((some & ~without) == 0) return;
-    const section_kinds found = find_sections<false>(*work.texels, level, ends, (crossing | kinds.high) != 0, out);
-    some &= without | (found.here & ~(kinds.high & found.broad));
+    const section_kinds found = find_sections<false>(*work.texels, level, ends, (crossing | high) != 0, out);
+    some &= without | found.here;
     p.coarse_deep |= found.deep & ~without;
     p.coarse_broad |= found.broad & ~without;
   };
@@ -237,7 +238,7 @@ SPANTEX_WRAPS SPANTEX_INLINE void place_spans(const row_work& work, const batch&
   if constexpr (TwoLevels) find_after(~crossing, after(coarse), p.next);
   p.placed = some;
   p.deep = kinds.deep;
-  p.high = kinds.high;
+  p.high = high;
   p.broad = kinds.broad;
   put(p.level, fine);
   const __m256i shift = _mm256_sub_epi32(_mm256_add_epi32(bits, fine), _mm256_set1_epi32(q.subtexel_bits + 1));

@@ -84,23 +84,23 @@ class affine_centres {
 
 // False: the row is drawn otherwise.
 SPANTEX_INLINE bool draw_affine_row(const row_work& work) {
-  const affine_plane* const of_plane = work.memory->kept<affine_plane>([&](affine_plane& a) { return begin_affine(*work.map, a); });
-  if (of_plane == nullptr || !is_near(work)) return false;
-  const affine_plane& numbers = *of_plane;
+  const affine_plane* const found = work.memory->kept<affine_plane>([&](affine_plane& a) { return begin_affine(*work.map, a); });
+  if (found == nullptr || !is_near(work)) return false;
+  const affine_plane& common = *found;
   const row_levels& map = work.texels->levels_in_rows();
   on_level<int32_t> l;
   for (int k = 0; k < row_levels::field_count; ++k) l.field[k] = set(map.value(row_levels::field(k), 0));
-  affine_centres centres(work, numbers);
+  affine_centres centres(work, common);
   for (int k = 0; k < work.count; ++k) {
     const affine_centres::centre c = centres.next();
     if (work.masks[k] == 0) continue;
-    const int fraction = numbers.most_fraction - c.scale;
-    const v base = halves(set(c.base_u), set(c.base_v << 16)), down_u = set(2 * numbers.u_y[c.scale]), down_v = set(2 * numbers.v_y[c.scale]);
+    const int fraction = common.most_fraction - c.scale;
+    const v base = halves(set(c.base_u), set(c.base_v << 16)), down_u = set(2 * common.u_y[c.scale]), down_v = set(2 * common.v_y[c.scale]);
     alignas(sizeof(v)) int32_t places[span_pixel_count];
     v u[parts], w[parts];
     for (int part = 0; part < parts; ++part) {
-      u[part] = get(numbers.first_u[c.scale] + width * part) + c.u;
-      w[part] = get(numbers.first_v[c.scale] + width * part) + c.v;
+      u[part] = get(common.first_u[c.scale] + width * part) + c.u;
+      w[part] = get(common.first_v[c.scale] + width * part) + c.v;
     }
 #pragma GCC unroll 2
     for (int n = 0; n < groups; ++n) {
