@@ -13,7 +13,6 @@
 
 #if defined(__x86_64__)
 #include <immintrin.h>
-#include <string.h>
 
 #include <spantex/coordinates.hpp>
 #include <spantex/footprint.hpp>
@@ -318,7 +317,7 @@ void draw_row(const row_work& work) {
   const row_reader reader = Gathers ? gathering_reader() : loading_reader();
   plans_of_left<Kind> left;
   draw_row_by_blocks<Kind, Gathers>(work, left);
-  if (memchr(work.left, true, size_t(work.count)) == nullptr) return;
+  if (next_left(work.left, work.left + work.count) == nullptr) return;
   span_mask rest[max_row_spans];
   int from = work.count, to = 0;
   for (int k = 0; k < work.count; ++k) {

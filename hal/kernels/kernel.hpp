@@ -3,6 +3,7 @@
 // spans it is made for and says which it left; rows.hpp draws those through the scalar engine.
 #pragma once
 #include <stdint.h>
+#include <string.h>
 
 #include <new>
 #include <type_traits>
@@ -54,6 +55,9 @@ struct row_work {
   row_memory* memory = nullptr;    // of all rows that are drawn of the plane, one after another
   upright_row* upright = nullptr;  // what is known of the whole row (upright.hpp): then the kernel draws all of them and sets none of `left`
 };
+
+// The first of the spans [at, end) that is left; null: none.
+inline bool* next_left(bool* at, bool* end) { return static_cast<bool*>(memchr(at, true, size_t(end - at))); }
 
 using row_kernel = void (*)(const row_work&);
 

@@ -3,7 +3,6 @@
 // draws a span.
 #pragma once
 #include <stdint.h>
-#include <string.h>
 
 #include <algorithm>
 
@@ -21,9 +20,6 @@ struct row_masks {
   span_mask mask[max_row_spans];
   int from, to;  // those with something to draw lie in [from, to)
 };
-
-// The first of the spans [at, end) that is left; null: none.
-inline bool* next_left(bool* at, bool* end) { return static_cast<bool*>(memchr(at, true, size_t(end - at))); }
 
 // Rows of spans of an area: `cover` makes the masks those from span (first, sy) on, of those of the row before; the kernel draws, and what it leaves goes through the renderer.
 template <class Renderer, class Cover, class... How>
