@@ -153,7 +153,7 @@ SANITIZE := -g -fsanitize=address,undefined,unsigned-integer-overflow -fno-sanit
             -fsanitize-ignorelist=tests/sanitize.ignore -DSPANTEX_CHECK_TRUST
 SUITES ?= $(UNIT_SOURCES:tests/unit/%.cpp=%)
 sanitize: setup-build setup-test ## unit tests (SUITES), command, stress and identity pictures under clang's address, undefined-behaviour and unsigned-overflow sanitizers
-	@$(MAKE) --no-print-directory -j$(JOBS) B=$(B)/sanitize CXX=clang++ OPT=-O1 CXXFLAGS="$(SANITIZE)" $(SUITES:%=$(B)/sanitize/tests/%) $(B)/sanitize/spantex $(B)/sanitize/picture_hashes
+	@$(MAKE) --no-print-directory -j$(JOBS) B=$(B)/sanitize CXX=clang++ OPT=-O1 KERNEL_OPT= CXXFLAGS="$(SANITIZE)" $(SUITES:%=$(B)/sanitize/tests/%) $(B)/sanitize/spantex $(B)/sanitize/picture_hashes
 	@tests/sanitized.py --build $(B)/sanitize --suites $(SUITES)
 
 check-gates: setup-test ## break the code on purpose, one line at a time: a named test must notice each
@@ -212,9 +212,10 @@ $(B)/%.o: %.cpp Makefile
 	@echo "  compile $<"
 	@$(CXX) $(FLAGS) -c $< -o $@
 
-# Kernels are unrolled by the compiler, and their functions begin at lines of the caches (PERFORMANCE, "What was tried"); gcc's own intrinsics warn of the undefined lanes they
+# Kernels are unrolled by the compiler, and their functions begin at lines of the caches (docs/TRIED.md); gcc's own intrinsics warn of the undefined lanes they
 # mean, and of vectors passed between functions that melt into one.
-$(B)/hal/kernels/%.o: FLAGS += -O3 -falign-functions=64 -Wno-unknown-warning-option -Wno-uninitialized -Wno-maybe-uninitialized -Wno-psabi
+KERNEL_OPT ?= -O3
+$(B)/hal/kernels/%.o: FLAGS += $(KERNEL_OPT) -falign-functions=64 -Wno-unknown-warning-option -Wno-uninitialized -Wno-maybe-uninitialized -Wno-psabi
 
 $(B)/tests/%: $(B)/tests/unit/%.o $(HOST_OBJECTS)
 	@mkdir -p $(@D)

@@ -1,10 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """Proof that the checks bite: each gate breaks one line of a copy of the tree and runs the test that must notice, one gate a processor. A gate that stays
-silent fails, and so does a line that is no longer there to break. A gate counts only if its test passes in the unbroken tree, tried once a suite.  --list names them; arguments select by name;
---short takes the first gate of each suite and leaves the unbroken tree to `make test`, which runs the same suites in it."""
+silent fails, and so does a line that is no longer there to break. A gate counts only if its test passes in the unbroken tree, tried once a suite. What does not include the broken file
+comes from the build, where it is newer than all it is made of.  --list names them; arguments select by name; --short takes the first gate of each suite and leaves the unbroken tree to
+`make test`, which runs the same suites in it."""
 import concurrent.futures
 import fnmatch
+import functools
 import os
 import pathlib
 import queue
@@ -17,24 +19,44 @@ import tempfile
 from gate_list import GATES, LIBRARIES
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
+BUILD = pathlib.Path(os.environ.get("SPANTEX_BUILD", ROOT / "build")).resolve()
+CXX = os.environ.get("CXX", "g++")
 FLAGS = ["-std=c++20", "-O1", "-I.", "-Ifirmware", "-pthread"]
 LINK = ["-lcmocka", "-Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc"]
 
 
-def test_of(tree, folder, gate):
+@functools.cache
+def includes(name):
+    """What the build's object of a source is made of, by make's own note; None where it is not as new as all of that."""
+    note = (BUILD / name).with_suffix(".d")
+    if not note.exists() or not note.with_suffix(".o").exists():
+        return None
+    files = {ROOT / f for f in note.read_text().replace("\\\n", " ").partition(":")[2].split() if not f.endswith(":")}
+    made = note.with_suffix(".o").stat().st_mtime
+    return {f.resolve() for f in files} if all(f.exists() and f.stat().st_mtime <= made for f in files) else None
+
+
+def test_of(tree, gate, broken=None):
     """Build and command of the test that must notice. Of the proofs, what ties them to the code: the proofs themselves do not read it."""
     suite, case, sources = gate[4:]
     if suite == "scripts":
         return None, ["/usr/bin/python3", str(tree / f"tests/scripts/{case}.py"), "--links"]
     if suite in ("packaging", "licence_headers"):
         return None, ["/usr/bin/python3", str(tree / f"tests/scripts/{suite}.py"), case]
-    program = folder / "program"
-    return [os.environ.get("CXX", "g++"), *FLAGS, f"tests/unit/{suite}.cpp", *sources, "-o", str(program), *LINK, *LIBRARIES.get(suite, [])], [str(program)]
+    options = [s for s in sources if s.startswith("-")]
+
+    def part(source):
+        of_build = None if any(o.startswith(("-I", "-D")) for o in options) else includes(source)
+        return source if of_build is None or (broken and ROOT / broken in of_build) else str((BUILD / source).with_suffix(".o"))
+
+    program = tree / "program"
+    parts = [part(s) for s in (f"tests/unit/{suite}.cpp", *sources) if not s.startswith("-")]
+    return [CXX, *FLAGS, *parts, *options, "-o", str(program), *LINK, *LIBRARIES.get(suite, [])], [str(program)]
 
 
 def outcome(tree, gate, unbroken=False):
     """None if the test fails, or with `unbroken` if it passes; else why not."""
-    _, command = test_of(tree, tree, gate)
+    _, command = test_of(tree, gate)
     try:
         ran = subprocess.run(command, env=dict(os.environ, SPANTEX_TEST_FILTER=gate[5], SPANTEX_SHORT="1"), capture_output=True, text=True, errors="replace", timeout=300)
     except subprocess.TimeoutExpired:
@@ -51,9 +73,9 @@ def outcome(tree, gate, unbroken=False):
     return None if ran.returncode != 0 else f"{gate[4]}.{gate[5]} did not notice"
 
 
-def build_of(tree, gate):
+def build_of(tree, gate, broken=None):
     """What the compiler says if the gate's suite does not build."""
-    build, _ = test_of(tree, tree, gate)
+    build, _ = test_of(tree, gate, broken)
     built = build and subprocess.run(build, cwd=tree, capture_output=True, text=True)
     return built.stderr if built and built.returncode != 0 else None
 
@@ -66,7 +88,7 @@ def bites(trees, gate):
     text = path.read_text()
     try:
         path.write_text(text.replace(old, new))
-        refused = build_of(tree, gate)
+        refused = build_of(tree, gate, name)
         if refused is not None:  # a static_assert that refuses is a check that bites
             return None if "static assertion failed" in refused else "does not build:\n" + refused[-2000:]
         return outcome(tree, gate)
@@ -124,6 +146,7 @@ def main():
                     print(f"BROKEN  {suite}.{case}: {fault}", flush=True)
         sound = [g for g in gates if short or not faults[g[4], tuple(g[6])][g[5]]]
         silent += len(gates) - len(sound)
+        sound.sort(key=lambda g: g[4] not in ("scripts", "kernels"))  # what takes longest first
         for gate, reason in zip(sound, pool.map(lambda g: bites(trees, g), sound)):
             silent += reason is not None
             print(f"{'bites ' if reason is None else 'SILENT'}  {gate[0]}: {gate[4]}.{gate[5]}{'' if reason is None else ': ' + reason}", flush=True)

@@ -20,6 +20,7 @@ import time
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 LIMIT_S = 2700
+LONG_S = 20  # what takes longer says so
 
 
 def run(command, **kw):
@@ -49,6 +50,11 @@ def compile_fail_case(source):
 def script_case(script, build):
     code, text = run([script], env=dict(os.environ, SPANTEX_BUILD=str(build)))
     return [("scripts", script.stem, code == 0, text)]
+
+
+def timed(task):
+    begun = time.monotonic()
+    return task(), time.monotonic() - begun
 
 
 def programs(folder):
@@ -81,12 +87,14 @@ def main():
     passed = failed = 0
     begun = time.monotonic()
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
-        for results in pool.map(lambda task: task(), tasks(options.build, suite, case or "*", options.units)):
+        for results, seconds in pool.map(timed, tasks(options.build, suite, case or "*", options.units)):
             for name, test, good, text in results:
                 passed, failed = passed + good, failed + (not good)
                 print(f"{'pass' if good else 'FAIL'}  {name}.{test}", flush=True)
                 if not good:
                     print("\n".join("      " + line for line in text.splitlines()[-60:]), flush=True)
+            if results and seconds >= LONG_S:
+                print(f"      {results[0][0]}{'' if len(results) > 1 else '.' + results[0][1]} took {seconds:.0f} s", flush=True)
     if passed + failed == 0:
         print(f"tests/run.py: nothing matches '{options.only}'", file=sys.stderr)
         return 2
