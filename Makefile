@@ -156,8 +156,9 @@ sanitize: setup-build setup-test ## unit tests (SUITES), command, stress and ide
 	@$(MAKE) --no-print-directory -j$(JOBS) B=$(B)/sanitize CXX=clang++ OPT=-O1 KERNEL_OPT= CXXFLAGS="$(SANITIZE)" $(SUITES:%=$(B)/sanitize/tests/%) $(B)/sanitize/spantex $(B)/sanitize/picture_hashes
 	@tests/sanitized.py --build $(B)/sanitize --suites $(SUITES)
 
-check-gates: setup-test ## break the code on purpose, one line at a time: a named test must notice each
-	@tests/gates.py
+check-gates: setup-build setup-test ## break the code on purpose, one line at a time: a named test must notice each
+	@$(MAKE) --no-print-directory -j$(JOBS) unit-tests $(B)/build.txt
+	@SPANTEX_BUILD=$(B) tests/gates.py
 
 count-arm64: setup-build setup-arm64 ## instructions a pixel on arm64 under emulation, ours, pixman's, OpenCV's and llvmpipe's (Debian's, 70 MB): build/arm64/table.md
 	@$(MAKE) --no-print-directory -j$(JOBS) $(B)/arm64/judge_pictures
@@ -224,11 +225,12 @@ $(B)/tests/%: $(B)/tests/unit/%.o $(HOST_OBJECTS)
 
 $(B)/tests/bc: LIBRARIES := -lsquish
 $(B)/tests/c_interface: $(B)/firmware/spantex/spantex_c.o
-# What `spantex bench` says it is; written anew only when it changes.
+# What `spantex bench` says it is, and what the objects are made by; written anew only when that changes.
 COMMIT := $(shell git describe --always --dirty 2>/dev/null || echo unknown)
+MADE_BY := $(strip $(STD) $(OPT) $(CXXFLAGS)), kernels $(KERNEL_OPT), $(shell $(CXX) --version | head -n 1)
 $(B)/build.txt: force
 	@mkdir -p $(@D)
-	@echo '$(COMMIT) $(STD) $(OPT) $(CXXFLAGS)' | cmp -s - $@ || echo '$(COMMIT) $(STD) $(OPT) $(CXXFLAGS)' > $@
+	@printf '%s\n' '$(COMMIT)' '$(MADE_BY)' | cmp -s - $@ || printf '%s\n' '$(COMMIT)' '$(MADE_BY)' > $@
 $(B)/tools/spantex/bench_machine.o: $(B)/build.txt
 $(B)/tools/spantex/bench_machine.o: FLAGS += -DSPANTEX_COMMIT='"$(COMMIT)"' -DSPANTEX_FLAGS='"$(strip $(STD) $(OPT) $(CXXFLAGS))"'
 $(B)/hal/gpiod_lines.o: FLAGS += -DSPANTEX_GPIOD_VERSION=$(GPIOD_VERSION)

@@ -15,6 +15,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import time
 
 from gate_list import GATES, LIBRARIES
 
@@ -22,22 +23,30 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 BUILD = pathlib.Path(os.environ.get("SPANTEX_BUILD", ROOT / "build")).resolve()
 CXX = os.environ.get("CXX", "g++")
 FLAGS = ["-std=c++20", "-O1", "-I.", "-Ifirmware", "-pthread"]
+BEGUN = time.time()  # before the tree is copied
 LINK = ["-lcmocka", "-Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc"]
+
+
+def build_is_ours():
+    """Whether the build's objects and those made here go together."""
+    note = BUILD / "build.txt"
+    return CXX == "g++" and note.exists() and note.read_text().splitlines()[-1].startswith("-std=c++20 -O2, kernels -O3, g++ ")
 
 
 @functools.cache
 def includes(name):
-    """What the build's object of a source is made of, by make's own note; None where it is not as new as all of that."""
-    note = (BUILD / name).with_suffix(".d")
-    if not note.exists() or not note.with_suffix(".o").exists():
+    """What the build's object of a source is made of, by make's own note; None where it is older than some of that, or made since this began."""
+    made = (BUILD / name).with_suffix(".o")
+    if not build_is_ours() or not made.exists() or not made.with_suffix(".d").exists():
         return None
-    files = {ROOT / f for f in note.read_text().replace("\\\n", " ").partition(":")[2].split() if not f.endswith(":")}
-    made = note.with_suffix(".o").stat().st_mtime
-    return {f.resolve() for f in files} if all(f.exists() and f.stat().st_mtime <= made for f in files) else None
+    note = made.with_suffix(".d").read_text().replace("\\\n", " ").partition(":")[2]
+    files = {ROOT / f for f in note.split() if not f.endswith(":")} | {ROOT / "Makefile"}
+    age = made.stat().st_mtime
+    return {f.resolve() for f in files} if age < BEGUN and all(f.exists() and f.stat().st_mtime <= age for f in files) else None
 
 
-def test_of(tree, gate, broken=None):
-    """Build and command of the test that must notice. Of the proofs, what ties them to the code: the proofs themselves do not read it."""
+def test_of(tree, gate, broken):
+    """Build and command of the test that must notice, where `broken` is not as it was. Of the proofs, what ties them to the code: the proofs themselves do not read it."""
     suite, case, sources = gate[4:]
     if suite == "scripts":
         return None, ["/usr/bin/python3", str(tree / f"tests/scripts/{case}.py"), "--links"]
@@ -47,7 +56,8 @@ def test_of(tree, gate, broken=None):
 
     def part(source):
         of_build = None if any(o.startswith(("-I", "-D")) for o in options) else includes(source)
-        return source if of_build is None or (broken and ROOT / broken in of_build) else str((BUILD / source).with_suffix(".o"))
+        made = (BUILD / source).with_suffix(".o")
+        return source if of_build is None or made.stat().st_mtime >= BEGUN or (ROOT / broken).resolve() in of_build else str(made)
 
     program = tree / "program"
     parts = [part(s) for s in (f"tests/unit/{suite}.cpp", *sources) if not s.startswith("-")]
@@ -56,7 +66,7 @@ def test_of(tree, gate, broken=None):
 
 def outcome(tree, gate, unbroken=False):
     """None if the test fails, or with `unbroken` if it passes; else why not."""
-    _, command = test_of(tree, gate)
+    _, command = test_of(tree, gate, gate[1])
     try:
         ran = subprocess.run(command, env=dict(os.environ, SPANTEX_TEST_FILTER=gate[5], SPANTEX_SHORT="1"), capture_output=True, text=True, errors="replace", timeout=300)
     except subprocess.TimeoutExpired:
@@ -73,9 +83,9 @@ def outcome(tree, gate, unbroken=False):
     return None if ran.returncode != 0 else f"{gate[4]}.{gate[5]} did not notice"
 
 
-def build_of(tree, gate, broken=None):
+def build_of(tree, gate):
     """What the compiler says if the gate's suite does not build."""
-    build, _ = test_of(tree, gate, broken)
+    build, _ = test_of(tree, gate, gate[1])
     built = build and subprocess.run(build, cwd=tree, capture_output=True, text=True)
     return built.stderr if built and built.returncode != 0 else None
 
@@ -88,7 +98,7 @@ def bites(trees, gate):
     text = path.read_text()
     try:
         path.write_text(text.replace(old, new))
-        refused = build_of(tree, gate, name)
+        refused = build_of(tree, gate)
         if refused is not None:  # a static_assert that refuses is a check that bites
             return None if "static assertion failed" in refused else "does not build:\n" + refused[-2000:]
         return outcome(tree, gate)
@@ -98,7 +108,7 @@ def bites(trees, gate):
 
 
 def baseline(trees, gates):
-    """Why the tests of a suite's gates cannot be trusted, by case: each must pass in an unbroken tree, built once for all of them."""
+    """Why the tests of a suite's gates cannot be trusted, by case: each must pass in an unbroken tree, built once for all gates of the same parts."""
     tree = trees.get()
     try:
         refused = build_of(tree, gates[0])
@@ -107,6 +117,12 @@ def baseline(trees, gates):
         return {case: outcome(tree, next(g for g in gates if g[5] == case), unbroken=True) for case in {g[5] for g in gates}}
     finally:
         trees.put(tree)
+
+
+def alike(gate):
+    """What gates have in common whose tests are one program before anything is broken."""
+    build, _ = test_of(pathlib.Path(), gate, gate[1])
+    return (gate[4], *(build or []))
 
 
 def main():
@@ -138,13 +154,13 @@ def main():
             trees.put(tree)
         suites = {}
         for g in gates:
-            suites.setdefault((g[4], tuple(g[6])), []).append(g)
+            suites.setdefault(alike(g), []).append(g)
         faults = {} if short else dict(zip(suites, pool.map(lambda named: baseline(trees, named), suites.values())))
-        for (suite, _), cases in faults.items():
+        for (suite, *_), cases in faults.items():
             for case, fault in cases.items():
                 if fault:
                     print(f"BROKEN  {suite}.{case}: {fault}", flush=True)
-        sound = [g for g in gates if short or not faults[g[4], tuple(g[6])][g[5]]]
+        sound = [g for g in gates if short or not faults[alike(g)][g[5]]]
         silent += len(gates) - len(sound)
         sound.sort(key=lambda g: g[4] not in ("scripts", "kernels"))  # what takes longest first
         for gate, reason in zip(sound, pool.map(lambda g: bites(trees, g), sound)):

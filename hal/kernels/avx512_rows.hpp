@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // AVX-512: spans that local memory does not hold, from the map's rows. Their texels are gathered, or loaded one by one: which takes less time is a matter of the
-// processor (docs/PERFORMANCE.md), the bytes are the same.
+// processor (docs/TRIED.md), the bytes are the same.
 #pragma once
 #include "kernel.hpp"
 

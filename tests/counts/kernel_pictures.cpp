@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Parts of pictures by one of the host kernels, for tests/scripts/kernel_counts.py, which counts the instructions that `spantex bench` would time: those of draw_counted
-// (callgrind) or from count_begin to count_end (QEMU). AVX-512, which neither knows, the program counts itself, by the processor's trap after each instruction; that
-// takes up to 50 us each on a virtual machine. Prints a line a picture: its name, and what the trap counted.
+// Parts of pictures by one of the host kernels, for tests/scripts/kernel_instructions.py, which counts the instructions that `spantex bench` would time: those of draw_counted
+// (callgrind) or from count_begin to count_end (QEMU). AVX-512, which neither knows, the program counts itself, by the processor's trap after each instruction. Prints a line a picture: its name, and what the trap counted.
 //   kernel_pictures KERNEL [--trap] [NAME...]     of all pictures these; exit code 3: this machine has not the kernel
 #include <hal/direct_engine.hpp>
 #include <hal/kernels/rows.hpp>
@@ -65,6 +64,14 @@ struct named_kernel { const char* name; kernels::choice which; };
 constexpr named_kernel every_kernel[] = {{"words", kernels::choice::words}, {"sse41", kernels::choice::sse41}, {"avx2", kernels::choice::avx2}, {"avx512", kernels::choice::avx512},
                                          {"avx512-gathers", kernels::choice::avx512_gathers}, {"neon", kernels::choice::neon}};
 
+std::string name_of(const named_plane& p, const named_filter& f) { return std::string(p.name) + "-" + f.name; }
+
+bool is_picture(const std::string& name) {
+  return std::any_of(std::begin(planes), std::end(planes), [&](const named_plane& p) {
+    return std::any_of(std::begin(filters), std::end(filters), [&](const named_filter& f) { return name == name_of(p, f); });
+  });
+}
+
 struct noise {
   std::vector<std::vector<rgba8>> levels;
   texture_view view;
@@ -113,13 +120,15 @@ int main(int argc, char** argv) {
   std::vector<std::string> wanted(argv + 2, argv + argc);
   traps = std::erase(wanted, "--trap") != 0;
   if (traps) signal(SIGTRAP, count_one);
+  for (const std::string& name : wanted)
+    if (!is_picture(name)) return 2;
   const noise map;
   const kernels::planar_map texels(map.view, kernels::layout_of(k->which));
   std::vector<rgba8> pixels(size_t(screen.x1) * size_t(screen.y1));
   for (const named_plane& named : planes) {
     const plane p = made(named);
     for (const named_filter& f : filters) {
-      const std::string name = std::string(named.name) + "-" + f.name;
+      const std::string name = name_of(named, f);
       if (!wanted.empty() && std::find(wanted.begin(), wanted.end(), name) == wanted.end()) continue;
       instructions = 0;
       if (draw_counted(kernel, texels, p, map.view, f.kind, {pixels.data(), screen.x1, screen.y1, screen.x1}) == 0) std::abort();

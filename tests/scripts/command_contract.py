@@ -162,7 +162,7 @@ def test_every_kernel_draws_the_same_on_any_number_of_threads(folder):
     kernels = [k for k in ("scalar", "words", "sse41", "avx2", "avx512", "avx512-gathers", "neon")
                if run("plane", "--texture", "map.png", "--size", "8x8", "--matrix", IDENTITY, "--kernel", k, "--out", "o.png", cwd=folder).returncode == 0]
     assert {"scalar", "words"} <= set(kernels), kernels
-    numbers = ("1", "3") if os.environ.get("SPANTEX_SANITIZED") else ("1", "2", "3", "40")
+    numbers = ("3", "40") if os.environ.get("SPANTEX_SANITIZED") else ("1", "2", "3", "40")
     for filter_name in ("nearest", "bilinear", "mip-bilinear", "trilinear", "aniso"):
         for subject in (["plane", "--texture", "map.png", "--matrix", HORIZON], ["plane", "--texture", "map.png", "--matrix", TILTED],
                         ["plane", "--texture", "map.png", "--matrix", SCALED], ["render", "fig8"], ["render", "fig9"]):

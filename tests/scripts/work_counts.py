@@ -121,7 +121,7 @@ def compare(file, text, missing=()):
     if file != "work.txt" and build_then != build_now:
         print(f"{file}: not compared: baseline of '{build_then}', this is '{build_now}'")
         return []
-    then = {row: counts for row, counts in then.items() if not row.startswith(tuple(f"{kernel}-" for kernel in missing))}
+    then = {row: counts for row, counts in then.items() if not row.startswith(tuple(f"{kernel}/" for kernel in missing))}
     found = [f"{file}: {d}" for d in differences(then, now)]
     print(f"{file}: {sum(map(len, now.values()))} counts of {len(now)} rows, {len(found)} differ by more than {100 * ALLOWED:g} %" + "".join(f"; {k} not counted here" for k in missing))
     return found
