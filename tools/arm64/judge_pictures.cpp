@@ -11,9 +11,9 @@
 #include <string>
 
 #include <sim/draw_host.hpp>
-#include <sim/figures.hpp>
 #include <sim/pattern.hpp>
 #include <sim/quality.hpp>
+#include <tools/bench_planes.hpp>
 
 #include "task_file.hpp"
 
@@ -25,7 +25,7 @@ constexpr rgba8 background{0, 0, 0, 255};
 
 sim::scene scene_of(const std::string& name, const char* size) {
   sim::screen_size s{};
-  const auto plane = sim::named_plane(name);
+  const auto plane = tool::bench_plane(name);
   if (sscanf(size, "%dx%d", &s.width_px, &s.height_px) != 2 || !plane) throw sim::input_error("no such size or plane");
   sim::map_list maps;
   maps.emplace_back(sim::photographic_pattern(map_side, 1), sim::prefilter::box, wrap::repeat, wrap::repeat);

@@ -13,16 +13,13 @@
 #include <sim/model.hpp>
 #include <sim/pattern.hpp>
 #include <sim/world.hpp>
+#include <tools/bench_planes.hpp>
 #include "options.hpp"
 
 namespace spantex::tool {
 namespace {
 
 constexpr int plane_map_side = 512;
-
-// For 640x480. The divisor is positive over the whole picture: peers clip nothing.
-constexpr sim::matrix close_plane{0.142, -0.071, 61.3, 0.083, 0.127, 17.9, 0.00021, 0.00033, 0.871};
-constexpr sim::matrix far_plane{1.913, 0.307, 101.7, -0.211, 1.297, 702.3, 0.00115, 0.0001, 0.253};
 
 std::shared_ptr<const sim::map_list> one_map(sim::image picture) {
   sim::map_list maps;
@@ -43,8 +40,6 @@ sim::scene plane_scene(const std::string& name, const sim::matrix& m, sim::scree
   sim::add_plane(s, m, 0);
   return s;
 }
-
-sim::matrix plane_of(const std::string& name) { return name == "close" ? close_plane : name == "far" ? far_plane : *sim::named_plane(name); }
 
 sim::scene spider_scene(sim::screen_size size, const bench_maps& maps) {
   const std::string file = maps.models + "/OBJ/spider.obj";
@@ -91,7 +86,7 @@ sim::scene make_bench_scene(const std::string& name, sim::screen_size size, cons
   const std::vector<std::string>& known = bench_scene_names();
   if (std::find(known.begin(), known.end(), name) == known.end())
     throw sim::input_error("--scenes: unknown scene '" + name + "' (known: " + joined(known) + ")");
-  return name == "spider" ? spider_scene(size, maps) : plane_scene(name, sim::stretched(plane_of(name), size), size, maps);
+  return name == "spider" ? spider_scene(size, maps) : plane_scene(name, sim::stretched(*bench_plane(name), size), size, maps);
 }
 
 sim::scene make_bench_plane(const sim::matrix& m, sim::screen_size size, const bench_maps& maps) { return plane_scene("matrix", m, size, maps); }
