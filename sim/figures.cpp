@@ -8,16 +8,14 @@
 
 #include "distance_field.hpp"
 #include "pattern.hpp"
+#include "planes.hpp"
 
 namespace spantex::sim {
 namespace {
 
 struct plane_by_name { const char* name; matrix coefficients; };
 
-constexpr plane_by_name planes[] = {
-    {"facing", {0.912053716, -0.314742496, -140.780791, -0.331960405, -0.8647479, 521.306321, 0, 0.000288959809, 0.896575472}},
-    {"tilted", {0.621854806, -0.142806403, -12.2821072, -0.226336639, -0.392357368, 585.413164, 0, 0.000855254125, 0.43752662}},
-    {"grazing", {0.310927403, -0.0343267394, 3.36869896, -0.11316832, -0.0943119413, 318.834413, 0, 0.00106181177, 0.0541821689}}};
+constexpr plane_by_name planes[] = {{"facing", facing_plane}, {"tilted", tilted_plane}, {"grazing", grazing_plane}};
 
 constexpr int map_side = 256, squares = 8;
 
@@ -65,7 +63,7 @@ scene contour_scene(const char* name, const scene_request& r) {
   map_list maps;
   maps.push_back(make_field_map(shapes_mask(field_side * reduction), reduction, scale, outline_16, ink, r.wrap_u, r.wrap_v));
   scene s{name, r.size, std::make_shared<const map_list>(std::move(maps)), {}};
-  matrix m = planes[2].coefficients;
+  matrix m = grazing_plane;
   for (size_t k = 0; k < 6; ++k) m[k] /= magnified;
   add_plane(s, stretched(m, r.size), 0);
   return s;

@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// Parts of pictures by one of the host kernels, for tests/scripts/kernel_instructions.py, which counts the instructions that `spantex bench` would time: those of draw_counted
-// (callgrind) or from count_begin to count_end (QEMU). AVX-512, which neither knows, the program counts itself, by the processor's trap after each instruction. Prints a line a picture: its name, and what the trap counted.
+// Parts of pictures by one of the host kernels, for tests/scripts/kernel_instructions.py, which counts the instructions that `spantex bench` would time: those of
+// draw_counted (callgrind) or from count_begin to count_end (QEMU). AVX-512, which neither knows, the program counts itself, by the processor's trap after each
+// instruction. Prints a line a picture: its name, and what the trap counted.
 //   kernel_pictures KERNEL [--trap] [NAME...]     of all pictures these; exit code 3: this machine has not the kernel
 #include <hal/direct_engine.hpp>
 #include <hal/kernels/rows.hpp>
+#include <sim/planes.hpp>
 #include <spantex/spantex.hpp>
 
 #include <signal.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <iterator>
@@ -45,17 +46,10 @@ using prof = fixed_profile<profiles::standard>;
 constexpr rectangle screen{0, 0, 640, 480}, drawn{192, 232, 448, 248};
 constexpr int map_side = 512;
 
-struct named_plane { const char* name; double m[9]; };
-// The bench's (sim/figures.cpp, tools/spantex/bench_scenes.cpp), and what has a way of its own: W constant, and no turn besides.
-constexpr named_plane planes[] = {
-    {"facing", {0.912053716, -0.314742496, -140.780791, -0.331960405, -0.8647479, 521.306321, 0, 0.000288959809, 0.896575472}},
-    {"tilted", {0.621854806, -0.142806403, -12.2821072, -0.226336639, -0.392357368, 585.413164, 0, 0.000855254125, 0.43752662}},
-    {"grazing", {0.310927403, -0.0343267394, 3.36869896, -0.11316832, -0.0943119413, 318.834413, 0, 0.00106181177, 0.0541821689}},
-    {"close", {0.142, -0.071, 61.3, 0.083, 0.127, 17.9, 0.00021, 0.00033, 0.871}},
-    {"far", {1.913, 0.307, 101.7, -0.211, 1.297, 702.3, 0.00115, 0.0001, 0.253}},
-    {"turned", {0.8, -0.3, 100, 0.3, 0.8, 20, 0, 0, 1}},
-    {"scaled", {0.73, 0, 11.3, 0, 0.61, 5.7, 0, 0, 1}},
-};
+struct named_plane { const char* name; sim::matrix m; };
+// The bench's, and what has a way of its own: W constant, and no turn besides.
+constexpr named_plane planes[] = {{"facing", sim::facing_plane}, {"tilted", sim::tilted_plane}, {"grazing", sim::grazing_plane}, {"close", sim::close_plane}, {"far", sim::far_plane},
+                                  {"turned", {0.8, -0.3, 100, 0.3, 0.8, 20, 0, 0, 1}}, {"scaled", {0.73, 0, 11.3, 0, 0.61, 5.7, 0, 0, 1}}};
 
 struct named_filter { const char* name; filter kind; };
 constexpr named_filter filters[] = {{"nearest", filter::nearest}, {"bilinear", filter::bilinear}, {"mip-bilinear", filter::mip_bilinear}, {"trilinear", filter::trilinear}, {"aniso", filter::aniso}};
@@ -92,9 +86,8 @@ struct noise {
 };
 
 plane made(const named_plane& named) {
-  const auto entry = [&](int k) { return wide(int64_t(std::llround(std::ldexp(named.m[k], 40)))); };
   plane p;
-  if (make_plane({entry(0), entry(1), entry(2), entry(3), entry(4), entry(5), entry(6), entry(7), entry(8)}, screen, p) != status::ok) std::abort();
+  if (make_plane(sim::to_homography(named.m), screen, p) != status::ok) std::abort();
   return p;
 }
 

@@ -18,7 +18,7 @@ sys.path.insert(0, str(command.ROOT / "tools"))
 import targets  # noqa: E402
 
 PICTURES = "tests/counts/kernel_pictures.cpp"
-KERNELS = sorted(str(path.relative_to(targets.ROOT)) for path in (targets.ROOT / "hal/kernels").glob("*.cpp"))
+SOURCES = ["sim/ideal.cpp", *sorted(str(path.relative_to(targets.ROOT)) for path in (targets.ROOT / "hal/kernels").glob("*.cpp"))]
 BUILD = command.BINARY.parent
 CXX, ARM64, EMULATOR = os.environ.get("CXX", "g++"), "aarch64-linux-gnu-g++", "qemu-aarch64"
 BY_CALLGRIND = ("words", "sse41", "avx2")
@@ -54,17 +54,12 @@ def by_trap(program, kernel):
 
 
 def by_emulator(folder):
-    if not (shutil.which(ARM64) and shutil.which(EMULATOR)):
-        return None
+    targets.require(ARM64, EMULATOR)
     program, counts = folder / "kernel_pictures-arm64", folder / "counts"
-    targets.run(ARM64, "-std=c++20", "-O3", "-falign-functions=64", "-Wno-psabi", "-static", "-no-pie", "-I.", "-Ifirmware", PICTURES, *KERNELS, "-o", program)
+    targets.run(ARM64, "-std=c++20", "-O3", "-falign-functions=64", "-Wno-psabi", "-static", "-no-pie", "-I.", "-Ifirmware", PICTURES, *SOURCES, "-o", program)
     symbols = {parts[2]: parts[0] for parts in map(str.split, targets.run("aarch64-linux-gnu-nm", program).splitlines()) if len(parts) == 3}
     lines = lines_of(EMULATOR, "-plugin", f"{targets.build_plugin(folder)},begin=0x{symbols['count_begin']},end=0x{symbols['count_end']},out={counts}", program, "neon")
     return {name: int(count) for (name, _), count in zip(lines, counts.read_text().split(), strict=True)}
-
-
-def version(compiler):
-    return targets.run(compiler, "--version").splitlines()[0] if shutil.which(compiler) else "none"
 
 
 def counted():
@@ -72,7 +67,7 @@ def counted():
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         program = folder / "kernel_pictures"
-        objects = [(BUILD / kernel).with_suffix(".o") for kernel in KERNELS]
+        objects = [(BUILD / source).with_suffix(".o") for source in SOURCES]
         targets.run(CXX, "-std=c++20", "-O2", "-I.", "-Ifirmware", PICTURES, *objects, "-Wl,-z,now", "-o", program)  # nothing is bound by the first picture
         counts = {kernel: by_callgrind(program, kernel, folder) for kernel in BY_CALLGRIND} | {kernel: by_trap(program, kernel) for kernel in BY_TRAP}
         counts["neon"] = by_emulator(folder)
@@ -80,5 +75,5 @@ def counted():
     if any(count < LEAST for count in rows.values()):
         sys.exit(f"work_counts: not counted: {[row for row, count in rows.items() if count < LEAST]}")
     made_by = (BUILD / "build.txt").read_text().splitlines()[1]
-    return (f"# build: {made_by}; {version(ARM64)}\n# row instructions\n" + "".join(f"{row} {count}\n" for row, count in rows.items()),
+    return (f"# build: {made_by}; {targets.run(ARM64, '--version').splitlines()[0]}\n# row instructions\n" + "".join(f"{row} {count}\n" for row, count in rows.items()),
             [kernel for kernel, of_pictures in counts.items() if of_pictures is None])
