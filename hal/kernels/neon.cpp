@@ -31,6 +31,7 @@ constexpr int width = 4;
 #include "vectors/positions.hpp"
 #include "vectors/move_texels.hpp"
 #include "vectors/spans.hpp"
+#include "vectors/nearest_neon.hpp"
 #include "vectors/affine_numbers.hpp"
 #include "vectors/affine.hpp"
 #include "vectors/tables_neon.hpp"

@@ -6,7 +6,10 @@ template <filter Kind, bool MasksOnly>
 SPANTEX_INLINE bool draw_span(const row_work& work, int32_t sx, span_mask mask, const span_coefficients& c) {
   span_positions p;
   p.far = false;
-  find_positions<uses_levels(Kind) && Kind != filter::aniso>(c, p);
+  p.base_u = c.base_u * (1 << q.coordinate_bits);
+  p.base_v = c.base_v * (1 << q.coordinate_bits);
+  constexpr bool by_tables = SPANTEX_TABLES && MasksOnly && Kind != filter::nearest && Kind != filter::aniso;
+  if constexpr (Kind != filter::nearest && !by_tables) find_positions<uses_levels(Kind) && Kind != filter::aniso>(c, p);
   if constexpr (!MasksOnly) {
     const row_levels& levels = work.texels->levels_in_rows();
     p.origin_u = p.base_u;
@@ -16,9 +19,9 @@ SPANTEX_INLINE bool draw_span(const row_work& work, int32_t sx, span_mask mask, 
     if (!in_reach(levels, 0, reach_of(c), p)) return false;
     p.within = !uses_footprint(Kind) && is_within(levels, reach_of(c), p);
   }
-  if constexpr (Kind == filter::nearest) draw_nearest<MasksOnly>(work, sx, mask, p);
+  if constexpr (Kind == filter::nearest) draw_nearest<MasksOnly>(work, sx, mask, p, c);
 #if SPANTEX_TABLES
-  else if constexpr (MasksOnly && Kind != filter::aniso) draw_by_tables<Kind>(work, sx, mask, p, c);
+  else if constexpr (by_tables) draw_by_tables<Kind>(work, sx, mask, p, c);
 #endif
   else if constexpr (Kind == filter::bilinear) draw_bilinear<MasksOnly>(work, sx, mask, p);
   else if constexpr (Kind == filter::aniso) return draw_aniso<MasksOnly>(work, sx, mask, p, c);

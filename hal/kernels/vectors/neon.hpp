@@ -2,7 +2,7 @@
 // Vector kernels: what NEON (arm64) has no operator for. Included by ../neon.cpp alone.
 #pragma once
 
-constexpr bool places_first = false, moves_texels = false;
+constexpr bool places_first = false, moves_texels = true;
 constexpr int row_pairs_at_once = 1;  // of positions with levels
 
 typedef int16_t level_number;  // of a pixel, in memory
@@ -40,6 +40,11 @@ SPANTEX_INLINE bool all_equal(v a, int32_t b) { return vminvq_u32(uint32x4_t(a =
 // 64-bit lanes; a product's shift is 1 or more and rounds halves up.
 SPANTEX_INLINE v_s64 size_of(v_s64 x) { return v_s64(vabsq_s64(int64x2_t(x))); }
 SPANTEX_INLINE v_64 rounded_shift(v_64 x, v_64 shift) { return v_64(vrshlq_u64(uint64x2_t(x), vnegq_s64(int64x2_t(shift)))); }
+SPANTEX_INLINE v_s64 bit_lengths(v_s64 x) {  // leading zeros of the upper half and, where that is 0, of the lower
+  const uint32x4_t zeros = vclzq_u32(uint32x4_t(x));
+  const uint64x2_t of_lower = vandq_u64(uint64x2_t(zeros), vshrq_n_u64(uint64x2_t(vceqq_u32(zeros, vdupq_n_u32(32))), 32));
+  return 64 - v_s64(vsraq_n_u64(of_lower, uint64x2_t(zeros), 32));
+}
 
 // Of the even lanes.
 SPANTEX_INLINE v_64 wide_products(v_64 a, v_64 b) { return v_64(vmull_u32(vmovn_u64(uint64x2_t(a)), vmovn_u64(uint64x2_t(b)))); }

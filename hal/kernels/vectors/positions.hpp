@@ -4,7 +4,8 @@
 
 // Of 64 pixels, as place_of() has them: positions from the span's base in texels of level 0, s15.14, and the base, likewise; levels of detail in 2^-8.
 struct alignas(64) span_positions {
-  int32_t u[span_pixel_count], v[span_pixel_count];
+  int32_t u[span_pixel_count], v[span_pixel_count];  // with `rest` bits more, where they were not to be rounded
+  int rest;
   level_number level[span_pixel_count];
   int32_t base_u, base_v, origin_u, origin_v;  // origin: the base before it was taken modulo a map's period
   bool far;                                    // texels lie farther from the base than row_levels::near_limit()
@@ -57,33 +58,53 @@ struct form {
   SPANTEX_INLINE void next() { at += down; }
 };
 
-// Positions by a series of so many terms; none, levels alone, where they are fewer than 0.
+// The numbers of a span's rows of pixels, undivided, by a series of so many terms; none, slopes alone, where they are fewer than 0.
 constexpr int levels_alone = -1;
-template <int Terms, bool Levels>
+template <int Terms>
+class series_rows {
+ public:
+  SPANTEX_INLINE series_rows(const span_coefficients& c, int part)
+      : nu_(c.c_u, c.a_u, c.b_u, part), nv_(c.c_v, c.a_v, c.b_v, part), twice_e_(0, 2 * c.g, 2 * c.h, part), slope_log2_(c.slope_log2) {}
+
+  // take(u, v): positions with c.exponent bits of fraction; the slope.
+  SPANTEX_INLINE v next(auto&& take) {
+    const v e = slope_lanes(twice_e_.at, slope_log2_);
+    twice_e_.next();
+    if constexpr (Terms != levels_alone) {
+      v u = nu_.at, w = nv_.at;
+      if constexpr (Terms > 0) {
+        const v r = series_of<Terms>(e, slope_log2_);
+        u -= product_with_slope(u, r, slope_log2_);
+        w -= product_with_slope(w, r, slope_log2_);
+      }
+      take(u, w);
+      nu_.next();
+      nv_.next();
+    }
+    return e;
+  }
+
+ private:
+  form nu_, nv_, twice_e_;
+  int slope_log2_;
+};
+
+template <int Terms, bool Levels, bool Rounded>
 SPANTEX_INLINE void find_positions(const span_coefficients& c, span_positions& out) {
   const int s = c.slope_log2, cut = c.exponent - q.coordinate_bits;
+  if constexpr (!Rounded) out.rest = cut;
   const int32_t most = int32_t(c.last_level) << q.level_bits;
   row_levels16 levels;
   if constexpr (Levels) levels.read(c);
   for (int part = 0; part < parts; ++part) {
-    form nu(c.c_u, c.a_u, c.b_u, part), nv(c.c_v, c.a_v, c.b_v, part), twice_e(0, 2 * c.g, 2 * c.h, part);
+    series_rows<Terms> rows(c, part);
     const v column = Levels ? levels16(c.level_column + width * part) : set(0);
     const auto row = [&](int y) SPANTEX_INLINED {
-      const v e = slope_lanes(twice_e.at, s);
-      twice_e.next();
-      if constexpr (Terms != levels_alone) {
-        v u = nu.at, w = nv.at;
-        if constexpr (Terms > 0) {
-          const v r = series_of<Terms>(e, s);
-          u -= product_with_slope(u, r, s);
-          w -= product_with_slope(w, r, s);
-        }
+      const v e = rows.next([&](v u, v w) SPANTEX_INLINED {
         const int at = place_of(y, part);
-        put(out.u + at, rounded_shift(u, cut));
-        put(out.v + at, rounded_shift(w, cut));
-        nu.next();
-        nv.next();
-      }
+        put(out.u + at, Rounded ? rounded_shift(u, cut) : u);
+        put(out.v + at, Rounded ? rounded_shift(w, cut) : w);
+      });
       if constexpr (Levels) return largest(column, levels.from(y)) - twice_log2_of_slope(e, s);
     };
     if constexpr (Levels) {
@@ -114,6 +135,7 @@ SPANTEX_INLINE v divided(v n, v reciprocal, int shift) { return narrowed(signed_
 static_assert(q.offset_bits - 1 - max_extent_log2 - q.coordinate_bits + q.reciprocal_bits >= 32);
 
 [[gnu::noinline]] void divide_positions(const span_coefficients& c, span_positions& out) {
+  out.rest = 0;
   const int shift = c.exponent - q.coordinate_bits + q.reciprocal_bits;
   for (int part = 0; part < parts; ++part) {
     form nu(c.c_u, c.a_u, c.b_u, part), nv(c.c_v, c.a_v, c.b_v, part), nw(1 << q.reciprocal_bits, c.g, c.h, part);
@@ -144,26 +166,28 @@ static_assert(q.offset_bits - 1 - max_extent_log2 - q.coordinate_bits + q.recipr
 }
 
 // Where slopes are zero, rows are of one length, and columns: the pixels have one level.
+template <bool Rounded>
 [[gnu::noinline]] void find_facing_positions(const span_coefficients& c, span_positions& out) {
-  find_positions<0, false>(c, out);
+  find_positions<0, false, Rounded>(c, out);
   const v level = detail_of(set(max_of(c.level_row[0], c.level_column[0]) * 64), int32_t(c.last_level) << q.level_bits);
 #pragma GCC unroll 8
   for (int k = 0; k < span_pixel_count; k += width) put(out.level + k, level);
 }
 
-template <bool Levels>
+// How many terms the series has: 0, affine; levels_alone, none: the divide.
+SPANTEX_INLINE int terms_of(const span_coefficients& c) { return c.how == evaluation::affine ? 0 : c.how == evaluation::series ? c.terms : levels_alone; }
+
+template <bool Levels, bool Rounded = true>
 SPANTEX_INLINE void find_positions(const span_coefficients& c, span_positions& out) {
-  out.base_u = c.base_u * (1 << q.coordinate_bits);
-  out.base_v = c.base_v * (1 << q.coordinate_bits);
-  if (Levels && c.g == 0 && c.h == 0) return find_facing_positions(c, out);
-  switch (c.how == evaluation::affine ? 0 : c.how == evaluation::series ? c.terms : -1) {
-    case 0: find_positions<0, Levels>(c, out); break;
-    case 1: find_positions<1, Levels>(c, out); break;
-    case 2: find_positions<2, Levels>(c, out); break;
-    case 3: find_positions<3, Levels>(c, out); break;
-    case 4: find_positions<4, Levels>(c, out); break;
+  if (Levels && c.g == 0 && c.h == 0) return find_facing_positions<Rounded>(c, out);
+  switch (terms_of(c)) {
+    case 0: find_positions<0, Levels, Rounded>(c, out); break;
+    case 1: find_positions<1, Levels, Rounded>(c, out); break;
+    case 2: find_positions<2, Levels, Rounded>(c, out); break;
+    case 3: find_positions<3, Levels, Rounded>(c, out); break;
+    case 4: find_positions<4, Levels, Rounded>(c, out); break;
     default:
-      if (Levels && c.slope_log2 <= most_level_slope_log2) find_positions<levels_alone, Levels>(c, out);
+      if (Levels && c.slope_log2 <= most_level_slope_log2) find_positions<levels_alone, Levels, Rounded>(c, out);
       divide_positions(c, out);
       break;
   }

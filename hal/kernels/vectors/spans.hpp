@@ -254,23 +254,76 @@ SPANTEX_INLINE void write_texels(const row_work& work, int32_t sx, span_mask mas
   write_span(work, sx, mask, [&](int k) SPANTEX_INLINED { return texels_at(from, reinterpret_cast<const uint32_t*>(places + k)); });
 }
 
+// Nearest: from a span's positions, with so many bits of fraction and no more than 31 in all, to places in the map. They are cut off once instead of twice: to be rounded to
+// coordinate_bits they take half of one of these, and the texel is the whole number below.
 template <bool MasksOnly>
-SPANTEX_INLINE void draw_nearest(const row_work& work, int32_t sx, span_mask mask, const span_positions& p) {
-  const row_levels& map = work.texels->levels_in_rows();
-  const on_level<int32_t> l = level_at_once<MasksOnly>(map, 0, p);
-  const v base = halves(set(p.base_u >> q.coordinate_bits), set(p.base_v << (16 - q.coordinate_bits)));
-  alignas(sizeof(v)) int32_t places[placed_groups * width];
-  const auto place = [&](int n) SPANTEX_INLINED {
-    const v texels = halves(get(p.u + width * n) >> q.coordinate_bits, get(p.v + width * n) << (16 - q.coordinate_bits));
-    put(places + n % placed_groups * width, places_of<MasksOnly>(add16(base, texels), l));
-  };
-  if constexpr (places_first) {
+class nearest_level {
+ public:
+  SPANTEX_INLINE nearest_level(const row_levels& map, const span_positions& p, int fraction, int32_t half)
+      : level_(level_at_once<MasksOnly>(map, 0, p)), base_(halves(set(p.base_u >> q.coordinate_bits), set(p.base_v << (16 - q.coordinate_bits)))), fraction_(fraction), half_(half) {}
+
+  // Of two vectors of pixels.
+  SPANTEX_INLINE void put_places(const v (&u)[2], const v (&w)[2], int32_t* to) const {
 #pragma GCC unroll 2
-    for (int n = 0; n < groups; ++n) place(n);
-    write_texels(work, sx, mask, map.texels(), places);
-  } else {
-    draw_groups(work, sx, mask, place, [&](int n) SPANTEX_INLINED { return texels_at(map.texels(), reinterpret_cast<const uint32_t*>(places + n % placed_groups * width)); });
+    for (int k = 0; k < 2; ++k) {
+      const v texels = halves(down_by(u[k] + half_, min_of(fraction_, 31)), down_by(w[k] + half_, fraction_ - 16));  // of less than 2^-31 nothing is left but the sign
+      put(to + width * k, places_of<MasksOnly>(add16(base_, texels), level_));
+    }
   }
+
+ private:
+  on_level<int32_t> level_;
+  v base_;
+  int fraction_;
+  int32_t half_;
+};
+
+template <int Terms, bool MasksOnly>
+SPANTEX_INLINE void find_places(const span_coefficients& c, const nearest_level<MasksOnly>& to, int32_t* places) {
+  series_rows<Terms> left(c, 0), right(c, parts - 1);
+  const auto put_two = [&](series_rows<Terms>& rows, int at) SPANTEX_INLINED {
+    v u[2], w[2];
+#pragma GCC unroll 2
+    for (int k = 0; k < 2; ++k)
+      rows.next([&](v of_u, v of_v) SPANTEX_INLINED {
+        u[k] = of_u;
+        w[k] = of_v;
+      });
+    to.put_places(u, w, places + at);
+  };
+#pragma GCC unroll 2
+  for (int y = 0; y < span_side; y += 2 * rows_at_once) {
+    put_two(left, place_of(y, 0));
+    if constexpr (parts > 1) put_two(right, place_of(y, 1));
+  }
+}
+
+template <bool MasksOnly>
+[[gnu::noinline]] void find_divided_places(const row_levels& map, const span_coefficients& c, span_positions& p, int32_t* places) {
+  divide_positions(c, p);
+  const nearest_level<MasksOnly> to(map, p, 16, 0);
+  for (int k = 0; k < span_pixel_count; k += 2 * width) {
+    const auto from = [](const int32_t* at) SPANTEX_INLINED { return get(at) << (16 - q.coordinate_bits); };
+    const v u[2] = {from(p.u + k), from(p.u + k + width)}, w[2] = {from(p.v + k), from(p.v + k + width)};
+    to.put_places(u, w, places + k);
+  }
+}
+
+template <bool MasksOnly>
+SPANTEX_INLINE void draw_nearest(const row_work& work, int32_t sx, span_mask mask, span_positions& p, const span_coefficients& c) {
+  static_assert(q.offset_bits - 1 - max_extent_log2 >= 16);
+  const row_levels& map = work.texels->levels_in_rows();
+  const nearest_level<MasksOnly> to(map, p, c.exponent, 1 << (c.exponent - q.coordinate_bits - 1));
+  alignas(sizeof(v)) int32_t places[span_pixel_count];
+  switch (terms_of(c)) {
+    case 0: find_places<0>(c, to, places); break;
+    case 1: find_places<1>(c, to, places); break;
+    case 2: find_places<2>(c, to, places); break;
+    case 3: find_places<3>(c, to, places); break;
+    case 4: find_places<4>(c, to, places); break;
+    default: find_divided_places<MasksOnly>(map, c, p, places); break;
+  }
+  write_texels(work, sx, mask, map.texels(), places);
 }
 
 template <bool MasksOnly>

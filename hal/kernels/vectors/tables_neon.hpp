@@ -25,13 +25,14 @@ SPANTEX_INLINE table_level table_of(const planar_map& map, int32_t from_u, int32
   return {&plane, map.planes().values() + plane.first, from_u, from_v};
 }
 
-// From what span_positions has: bits 16 to 31 of (position << up) + add.
+// From what span_positions has: bits 16 to 31 of (position << up) + add. What is not rounded yet takes half of a last bit with it, which up leaves whole.
 struct table_positions { int32x4_t add_u, add_v, up; };
 
 SPANTEX_INLINE table_positions positions_on(const span_positions& p, const table_level& l, int level) {
   const int up = 17 - cut_of(level);  // a texel becomes 2^24: add_of(level) 2^16 - 2^23
-  const auto add = [&](int32_t base, int32_t from) SPANTEX_INLINED { return vdupq_n_s32(int32_t((1u << 16) - (1u << 23) + (uint32_t(base) << up) - (uint32_t(from) << 24))); };
-  return {add(p.base_u, l.from_u), add(p.base_v, l.from_v), vdupq_n_s32(up)};
+  const uint32_t half = 1u << (up - 1);
+  const auto add = [&](int32_t base, int32_t from) SPANTEX_INLINED { return vdupq_n_s32(int32_t(half + (1u << 16) - (1u << 23) + (uint32_t(base) << up) - (uint32_t(from) << 24))); };
+  return {add(p.base_u, l.from_u), add(p.base_v, l.from_v), vdupq_n_s32(up - p.rest)};
 }
 
 // Four rows of four pixels, two rows a register.
@@ -231,15 +232,31 @@ template <int Channels>
   return true;
 }
 
+// Of the pixels [from, to).
+SPANTEX_INLINE void round_positions(const span_positions& p, int from, int to, span_positions& out) {
+  const auto rounded = [&](const int32_t* x) SPANTEX_INLINED { return rounded_shift(get(x), p.rest); };
+  for (int k = from; k < to; k += width) {
+    put(out.u + k, rounded(p.u + k));
+    put(out.v + k, rounded(p.v + k));
+    __builtin_memcpy(out.level + k, p.level + k, width * sizeof(level_number));
+  }
+  out.rest = 0;
+  out.base_u = p.base_u;
+  out.base_v = p.base_v;
+  out.far = false;
+}
+
 // The four rows of four pixels that lie in memory from the k-th on, as spans.hpp draws them.
 template <filter Kind>
 [[gnu::noinline]] void quad_without_tables(const row_work& work, const span_positions& p, int k, span_mask of_quad, rgba8* to) {
   const row_levels& map = work.texels->levels_in_rows();
-  pixels_on_levels<true, uses_two_levels(Kind)> pixels(work, p);
+  span_positions rounded;
+  round_positions(p, k, k + quad_side * width, rounded);
+  pixels_on_levels<true, uses_two_levels(Kind)> pixels(work, rounded);
   if (!uses_levels(Kind)) pixels.hold(0);
   for (int r = 0; r < quad_side; ++r, k += width, to += work.stride) {
     if (uses_levels(Kind)) pixels.place(k / width);
-    write(to, uint32_t(of_quad >> (span_side * r)), uses_levels(Kind) ? pixels.at(k / width) : pixels_of(blended_at<true>(map, pixels.near(), get(p.u + k), get(p.v + k), p)));
+    write(to, uint32_t(of_quad >> (span_side * r)), uses_levels(Kind) ? pixels.at(k / width) : pixels_of(blended_at<true>(map, pixels.near(), get(rounded.u + k), get(rounded.v + k), rounded)));
   }
 }
 
@@ -298,9 +315,13 @@ SPANTEX_INLINE bool too_wide(const span_coefficients& c) {
 
 // Of maps whose axes wrap at powers of two: all of their levels halve exactly.
 template <filter Kind>
-SPANTEX_INLINE void draw_by_tables(const row_work& work, int32_t sx, span_mask mask, const span_positions& p, const span_coefficients& c) {
+SPANTEX_INLINE void draw_by_tables(const row_work& work, int32_t sx, span_mask mask, span_positions& p, const span_coefficients& c) {
   if constexpr (Kind == filter::bilinear)
-    if (too_wide(c)) return draw_bilinear<true>(work, sx, mask, p);
+    if (too_wide(c)) {
+      find_positions<false>(c, p);
+      return draw_bilinear<true>(work, sx, mask, p);
+    }
+  find_positions<uses_levels(Kind), false>(c, p);
   if (work.texels->opaque()) quads_by_tables<Kind, 3>(work, sx, mask, p, c);
   else quads_by_tables<Kind, 4>(work, sx, mask, p, c);
 }
