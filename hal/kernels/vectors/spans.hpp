@@ -2,6 +2,8 @@
 // Vector kernels: a span by each filter. Included by the machines' files alone.
 #pragma once
 
+#include "rounded.hpp"
+
 // What a lane's level says of its map, the same for all lanes (Shift is int32_t) or not (v).
 template <class Shift>
 struct on_level {
@@ -424,12 +426,57 @@ class pixels_on_levels {
   group groups_[placed_groups];
 };
 
+// Whether all pixels of a span are on one whole level, and whether some are between it and the next.
+struct alike_levels { bool alike, between; };
+template <bool TwoLevels>
+SPANTEX_INLINE alike_levels compared(const span_positions& p) {
+  const auto from = [&](int n) SPANTEX_INLINED { return TwoLevels ? get(p.level + width * n) : get(p.level + width * n) + 127; };  // whole_level()
+  const v first = from(0);
+  v differs = first ^ set(first[0]), any = first;
+#pragma GCC unroll 8
+  for (int n = 1; n < groups; ++n) {
+    differs |= from(n) ^ first;
+    any |= from(n);
+  }
+  return {all_equal(differs >> q.level_bits, 0), TwoLevels && !all_equal(any & number<255>(), 0)};
+}
+
+// A span whose pixels are all on one whole level, or on it and the next.
+template <bool MasksOnly, rounded How>
+SPANTEX_INLINE void draw_on_level(const row_work& work, int32_t sx, span_mask mask, const span_positions& p, int32_t level) {
+  constexpr bool two = How == rounded::between_levels;
+  const row_levels& map = work.texels->levels_in_rows();
+  const on_level<int32_t> near = level_at_once<MasksOnly>(map, level, p), far = level_at_once<MasksOnly>(map, min_of(level + 1, work.last_level), p);
+  lanes_places at_near[placed_groups], at_far[placed_groups];
+  draw_groups(work, sx, mask,
+              [&](int n) SPANTEX_INLINED {
+                const v u = get(p.u + width * n), w = get(p.v + width * n);
+                place_lanes<MasksOnly>(near, u, w, p, at_near[n % placed_groups]);
+                if (two) place_lanes<MasksOnly>(far, u, w, p, at_far[n % placed_groups]);
+              },
+              [&](int n) SPANTEX_INLINED {
+                const blends fine = blended(map, at_near[n % placed_groups], near.down);
+                if constexpr (two) {
+                  const v fraction = get(p.level + width * n) & number<255>();
+                  if (spares_levels && all_equal(fraction, 0)) return pixels_of_level(fine);
+                  return pixels_between(fine, blended(map, at_far[n % placed_groups], far.down), fraction);
+                } else return How == rounded::at_once ? pixels_of(fine) : pixels_of_level(fine);
+              });
+}
+
 template <bool MasksOnly, bool TwoLevels>
 SPANTEX_INLINE bool draw_by_level(const row_work& work, int32_t sx, span_mask mask, span_positions& p, const span_coefficients& c) {
   pixels_on_levels<MasksOnly, TwoLevels> pixels(work, p);
   if constexpr (!MasksOnly) {
     const row_levels& map = work.texels->levels_in_rows();
     if (reach_of(c) > map.near_limit(work.last_level) && !in_reach(map, pixels.coarsest(), reach_of(c), p)) return false;  // limits of coarser levels are no larger
+  }
+  if (const alike_levels of = compared<TwoLevels>(p); of.alike) {
+    const int32_t level = whole_level<TwoLevels>(int32_t(p.level[0]));
+    if constexpr (!TwoLevels) draw_on_level<MasksOnly, rounded::at_once>(work, sx, mask, p, level);
+    else if (of.between) draw_on_level<MasksOnly, rounded::between_levels>(work, sx, mask, p, level);
+    else draw_on_level<MasksOnly, rounded::after_level>(work, sx, mask, p, level);
+    return true;
   }
   draw_groups(work, sx, mask, [&](int n) SPANTEX_INLINED { pixels.place(n); }, [&](int n) SPANTEX_INLINED { return pixels.at(n); });
   return true;

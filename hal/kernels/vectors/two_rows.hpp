@@ -2,8 +2,7 @@
 // Kernels: planes that are scaled along their axes, whatever the registers. Included by the machines' files alone.
 #pragma once
 
-// What becomes of a level's colours.
-enum class rounded { at_once, after_level, between_levels };
+#include "rounded.hpp"
 
 // What along(row) interpolates along two rows of texels: the next row of pixels lies between the same, or takes over one of them.
 template <class Colours>

@@ -3,6 +3,7 @@
 #pragma once
 
 constexpr bool places_first = true, moves_texels = true;
+constexpr bool spares_levels = false;  // whether a group of pixels is asked if the coarse level has weight for some, where its span has some
 constexpr int row_pairs_at_once = 4;  // of positions with levels
 typedef int32_t level_number;  // of a pixel, in memory
 
