@@ -213,6 +213,17 @@ template <bool MasksOnly>
     p.far = true;
     if (MasksOnly || !rows_within(map.far_limit(coarsest))) return false;
   }
+  if (!several) {
+#if SPANTEX_TABLES
+    if constexpr (MasksOnly) {
+      p.rest = 0;
+      quads_on_levels<filter::trilinear>(work, sx, mask, p, c);
+      return true;
+    }
+#endif
+    draw_on_levels<MasksOnly, true>(work, sx, mask, p, pixels);
+    return true;
+  }
   write_span(work, sx, mask, [&](int k) SPANTEX_INLINED {
     const auto [fewest, most] = numbers_of(rows.samples + k);
     if (most == 1) {

@@ -464,6 +464,19 @@ SPANTEX_INLINE void draw_on_level(const row_work& work, int32_t sx, span_mask ma
               });
 }
 
+// Pixels by their levels of detail, a sample each.
+template <bool MasksOnly, bool TwoLevels>
+SPANTEX_INLINE void draw_on_levels(const row_work& work, int32_t sx, span_mask mask, const span_positions& p, pixels_on_levels<MasksOnly, TwoLevels>& pixels) {
+  if (const alike_levels of = compared<TwoLevels>(p); of.alike) {
+    const int32_t level = whole_level<TwoLevels>(int32_t(p.level[0]));
+    if constexpr (!TwoLevels) draw_on_level<MasksOnly, rounded::at_once>(work, sx, mask, p, level);
+    else if (of.between) draw_on_level<MasksOnly, rounded::between_levels>(work, sx, mask, p, level);
+    else draw_on_level<MasksOnly, rounded::after_level>(work, sx, mask, p, level);
+    return;
+  }
+  draw_groups(work, sx, mask, [&](int n) SPANTEX_INLINED { pixels.place(n); }, [&](int n) SPANTEX_INLINED { return pixels.at(n); });
+}
+
 template <bool MasksOnly, bool TwoLevels>
 SPANTEX_INLINE bool draw_by_level(const row_work& work, int32_t sx, span_mask mask, span_positions& p, const span_coefficients& c) {
   pixels_on_levels<MasksOnly, TwoLevels> pixels(work, p);
@@ -471,13 +484,6 @@ SPANTEX_INLINE bool draw_by_level(const row_work& work, int32_t sx, span_mask ma
     const row_levels& map = work.texels->levels_in_rows();
     if (reach_of(c) > map.near_limit(work.last_level) && !in_reach(map, pixels.coarsest(), reach_of(c), p)) return false;  // limits of coarser levels are no larger
   }
-  if (const alike_levels of = compared<TwoLevels>(p); of.alike) {
-    const int32_t level = whole_level<TwoLevels>(int32_t(p.level[0]));
-    if constexpr (!TwoLevels) draw_on_level<MasksOnly, rounded::at_once>(work, sx, mask, p, level);
-    else if (of.between) draw_on_level<MasksOnly, rounded::between_levels>(work, sx, mask, p, level);
-    else draw_on_level<MasksOnly, rounded::after_level>(work, sx, mask, p, level);
-    return true;
-  }
-  draw_groups(work, sx, mask, [&](int n) SPANTEX_INLINED { pixels.place(n); }, [&](int n) SPANTEX_INLINED { return pixels.at(n); });
+  draw_on_levels<MasksOnly, TwoLevels>(work, sx, mask, p, pixels);
   return true;
 }

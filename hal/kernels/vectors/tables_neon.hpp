@@ -313,6 +313,12 @@ SPANTEX_INLINE bool too_wide(const span_coefficients& c) {
   return (u > w ? u : w) >> c.exponent >= byte_planes::strip_pitch;
 }
 
+template <filter Kind>
+SPANTEX_INLINE void quads_on_levels(const row_work& work, int32_t sx, span_mask mask, const span_positions& p, const span_coefficients& c) {
+  if (work.texels->opaque()) quads_by_tables<Kind, 3>(work, sx, mask, p, c);
+  else quads_by_tables<Kind, 4>(work, sx, mask, p, c);
+}
+
 // Of maps whose axes wrap at powers of two: all of their levels halve exactly.
 template <filter Kind>
 SPANTEX_INLINE void draw_by_tables(const row_work& work, int32_t sx, span_mask mask, span_positions& p, const span_coefficients& c) {
@@ -322,6 +328,5 @@ SPANTEX_INLINE void draw_by_tables(const row_work& work, int32_t sx, span_mask m
       return draw_bilinear<true>(work, sx, mask, p);
     }
   find_positions<uses_levels(Kind), false>(c, p);
-  if (work.texels->opaque()) quads_by_tables<Kind, 3>(work, sx, mask, p, c);
-  else quads_by_tables<Kind, 4>(work, sx, mask, p, c);
+  quads_on_levels<Kind>(work, sx, mask, p, c);
 }
