@@ -89,9 +89,9 @@ SPANTEX_INLINE bool find_shapes(const row_work& work, const span_coefficients& c
 
 // |n| / w^2 in 2^-16 texels: both products rounded, then the scale.
 SPANTEX_INLINE wide over_square(v n, v reciprocal, int drop) {
-  const auto rounded = [](const wide& x, int shift) SPANTEX_INLINED { return wide{rounded_shift(x.first, shift), rounded_shift(x.second, shift)}; };
-  const auto over_w = [&](auto x) SPANTEX_INLINED { return rounded(unsigned_products(x, reciprocal), q.reciprocal_bits); };
-  return rounded(over_w(over_w(n)), drop);
+  const auto shifted = [](const wide& x, int shift) SPANTEX_INLINED { return wide{rounded_shift(x.first, shift), rounded_shift(x.second, shift)}; };
+  const auto over_w = [&](auto x) SPANTEX_INLINED { return shifted(unsigned_products(x, reciprocal), q.reciprocal_bits); };
+  return shifted(over_w(over_w(n)), drop);
 }
 
 // axis_at(), not saturated. False where a row is longer than `most` texels, or all of them together (bit by bit).
@@ -215,11 +215,8 @@ template <bool MasksOnly>
   }
   if (!several) {
 #if SPANTEX_TABLES
-    if constexpr (MasksOnly) {
-      p.rest = 0;
-      quads_on_levels<filter::trilinear>(work, sx, mask, p, c);
-      return true;
-    }
+    if constexpr (MasksOnly) quads_on_levels<filter::trilinear>(work, sx, mask, p, c);
+    else
 #endif
     draw_on_levels<MasksOnly, true>(work, sx, mask, p, pixels);
     return true;

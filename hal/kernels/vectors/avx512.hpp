@@ -2,8 +2,7 @@
 // Vector kernels: what AVX-512 has no operator for; sixteen lanes are two rows of a span. Included by ../avx512/by_rows.hpp alone.
 #pragma once
 
-constexpr bool places_first = true, moves_texels = SPANTEX_GATHERS == 0;
-constexpr bool spares_levels = false;  // whether a group of pixels is asked if the coarse level has weight for some, where its span has some
+constexpr bool places_first = true, moves_texels = SPANTEX_GATHERS == 0, spares_levels = false;
 constexpr int row_pairs_at_once = 4;  // of positions with levels
 typedef int32_t level_number;  // of a pixel, in memory
 

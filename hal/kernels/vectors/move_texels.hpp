@@ -4,7 +4,7 @@
 
 struct two_places { uint32_t first, second; };
 
-// x86 takes them by one load and parts them, others, which would part them by more instructions, do not.
+// x86 reads both by one load; elsewhere two loads are fewer instructions.
 SPANTEX_INLINE two_places places_at(const int32_t* places) {
 #if defined(__x86_64__)
   uint64_t both;
@@ -23,7 +23,7 @@ SPANTEX_INLINE void move_texels(const row_work& work, int32_t sx, const rgba8* f
 #pragma GCC unroll 4
     for (int x = 0; x < span_side; x += 2) {
       const two_places at = places_at(places + index(x, y));
-      uint32_t first, second;
+      uint32_t first, second;  // both read before either is written
       __builtin_memcpy(&first, from + at.first, sizeof first);
       __builtin_memcpy(&second, from + at.second, sizeof second);
       __builtin_memcpy(row + x, &first, sizeof first);

@@ -3,10 +3,10 @@
 #pragma once
 
 template <>
-class nearest_level<true> {
+class single_texels<true> {
  public:
-  SPANTEX_INLINE nearest_level(const row_levels& map, const span_positions& p, int fraction, int32_t half)
-      : up_(vdupq_n_s32(16 - fraction)), add_u_(of(p.base_u, fraction, half)), add_v_(of(p.base_v, fraction, half)), stride_(vdup_n_u16(uint16_t(map.stride(0)))),
+  SPANTEX_INLINE single_texels(const row_levels& map, const span_positions& p, int fraction)
+      : up_(vdupq_n_s32(16 - fraction)), add_u_(added(p.base_u)), add_v_(added(p.base_v)), stride_(vdup_n_u16(uint16_t(map.stride(0)))),
         origin_(vdupq_n_u32(uint32_t(map.value(row_levels::origin, 0)))) {
     const auto mask = uint32_t(map.value(row_levels::mask, 0));
     mask_u_ = vdupq_n_u16(uint16_t(mask));
@@ -20,8 +20,8 @@ class nearest_level<true> {
   }
 
  private:
-  // What is added where a texel is 2^16: shifts down cut nothing off that half of the last bit reaches.
-  SPANTEX_INLINE static int32x4_t of(int32_t base, int fraction, int32_t half) { return vdupq_n_s32(int32_t(uint32_t(base) << (16 - q.coordinate_bits)) + (half >> (fraction - 16))); }
+  // Where a texel is 2^16; half of a last of coordinate_bits is whole there.
+  SPANTEX_INLINE static int32x4_t added(int32_t base) { return vdupq_n_s32(int32_t(uint32_t(base) << (16 - q.coordinate_bits)) + (1 << (16 - q.coordinate_bits - 1))); }
   SPANTEX_INLINE uint16x8_t texels(const v (&x)[2], int32x4_t add) const {
     return uint16x8_t(vaddhn_high_s32(vaddhn_s32(vshlq_s32(int32x4_t(x[0]), up_), add), vshlq_s32(int32x4_t(x[1]), up_), add));
   }

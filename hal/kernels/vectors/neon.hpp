@@ -2,8 +2,7 @@
 // Vector kernels: what NEON (arm64) has no operator for. Included by ../neon.cpp alone.
 #pragma once
 
-constexpr bool places_first = false, moves_texels = true;
-constexpr bool spares_levels = false;  // whether a group of pixels is asked if the coarse level has weight for some, where its span has some
+constexpr bool places_first = false, moves_texels = true, spares_levels = false;
 constexpr int row_pairs_at_once = 1;  // of positions with levels
 
 typedef int16_t level_number;  // of a pixel, in memory

@@ -9,12 +9,6 @@ static_assert(batch % (planned_at_once * wide_lanes) == 0);
 SPANTEX_INLINE v_s64 all(int64_t x) { return v_s64{} + x; }
 SPANTEX_INLINE v_s64 least(v_s64 a, v_s64 b) { return a < b ? a : b; }
 SPANTEX_INLINE v_s64 largest(v_s64 a, v_s64 b) { return a > b ? a : b; }
-#if SPANTEX_AVX2
-SPANTEX_INLINE v_s64 bit_lengths(v_s64 x) {
-  for (int k = 0; k < wide_lanes; ++k) x[k] = x[k] == 0 ? 64 : __builtin_clzll(uint64_t(x[k]));
-  return 64 - x;
-}
-#endif
 SPANTEX_INLINE v_s64 times_reach(v_s64 x) { return (x << 3) - x; }
 static_assert(reach == 7);
 

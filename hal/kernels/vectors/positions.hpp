@@ -58,7 +58,7 @@ struct form {
   SPANTEX_INLINE void next() { at += down; }
 };
 
-// The numbers of a span's rows of pixels, undivided, by a series of so many terms; none, slopes alone, where they are fewer than 0.
+// Positions of a span's rows of pixels, not rounded, by a series of so many terms; none, slopes alone, where they are fewer than 0.
 constexpr int levels_alone = -1;
 template <int Terms>
 class series_rows {
@@ -92,7 +92,7 @@ class series_rows {
 template <int Terms, bool Levels, bool Rounded>
 SPANTEX_INLINE void find_positions(const span_coefficients& c, span_positions& out) {
   const int s = c.slope_log2, cut = c.exponent - q.coordinate_bits;
-  if constexpr (!Rounded) out.rest = cut;
+  out.rest = Rounded ? 0 : cut;
   const int32_t most = int32_t(c.last_level) << q.level_bits;
   row_levels16 levels;
   if constexpr (Levels) levels.read(c);

@@ -256,19 +256,20 @@ SPANTEX_INLINE void write_texels(const row_work& work, int32_t sx, span_mask mas
   write_span(work, sx, mask, [&](int k) SPANTEX_INLINED { return texels_at(from, reinterpret_cast<const uint32_t*>(places + k)); });
 }
 
-// Nearest: from a span's positions, with so many bits of fraction and no more than 31 in all, to places in the map. They are cut off once instead of twice: to be rounded to
-// coordinate_bits they take half of one of these, and the texel is the whole number below.
+// Single texels: from a span's positions, with so many bits of fraction and no more than 31 in all, to places in the map. Rounding to coordinate_bits and cutting off to whole
+// texels are one: positions take half of a last of these bits, and the texel is the whole number below. (What is rounded already has nothing there.)
 template <bool MasksOnly>
-class nearest_level {
+class single_texels {
  public:
-  SPANTEX_INLINE nearest_level(const row_levels& map, const span_positions& p, int fraction, int32_t half)
-      : level_(level_at_once<MasksOnly>(map, 0, p)), base_(halves(set(p.base_u >> q.coordinate_bits), set(p.base_v << (16 - q.coordinate_bits)))), fraction_(fraction), half_(half) {}
+  SPANTEX_INLINE single_texels(const row_levels& map, const span_positions& p, int fraction)
+      : level_(level_at_once<MasksOnly>(map, 0, p)), base_(halves(set(p.base_u >> q.coordinate_bits), set(p.base_v << (16 - q.coordinate_bits)))), fraction_(fraction) {}
 
   // Of two vectors of pixels.
   SPANTEX_INLINE void put_places(const v (&u)[2], const v (&w)[2], int32_t* to) const {
+    const int32_t half = 1 << (fraction_ - q.coordinate_bits - 1);
 #pragma GCC unroll 2
     for (int k = 0; k < 2; ++k) {
-      const v texels = halves(down_by(u[k] + half_, min_of(fraction_, 31)), down_by(w[k] + half_, fraction_ - 16));  // of less than 2^-31 nothing is left but the sign
+      const v texels = halves(down_by(u[k] + half, min_of(fraction_, 31)), down_by(w[k] + half, fraction_ - 16));  // of less than 2^-31 nothing is left but the sign
       put(to + width * k, places_of<MasksOnly>(add16(base_, texels), level_));
     }
   }
@@ -277,11 +278,10 @@ class nearest_level {
   on_level<int32_t> level_;
   v base_;
   int fraction_;
-  int32_t half_;
 };
 
 template <int Terms, bool MasksOnly>
-SPANTEX_INLINE void find_places(const span_coefficients& c, const nearest_level<MasksOnly>& to, int32_t* places) {
+SPANTEX_INLINE void find_places(const span_coefficients& c, const single_texels<MasksOnly>& to, int32_t* places) {
   series_rows<Terms> left(c, 0), right(c, parts - 1);
   const auto put_two = [&](series_rows<Terms>& rows, int at) SPANTEX_INLINED {
     v u[2], w[2];
@@ -303,7 +303,7 @@ SPANTEX_INLINE void find_places(const span_coefficients& c, const nearest_level<
 template <bool MasksOnly>
 [[gnu::noinline]] void find_divided_places(const row_levels& map, const span_coefficients& c, span_positions& p, int32_t* places) {
   divide_positions(c, p);
-  const nearest_level<MasksOnly> to(map, p, 16, 0);
+  const single_texels<MasksOnly> to(map, p, 16);
   for (int k = 0; k < span_pixel_count; k += 2 * width) {
     const auto from = [](const int32_t* at) SPANTEX_INLINED { return get(at) << (16 - q.coordinate_bits); };
     const v u[2] = {from(p.u + k), from(p.u + k + width)}, w[2] = {from(p.v + k), from(p.v + k + width)};
@@ -315,7 +315,7 @@ template <bool MasksOnly>
 SPANTEX_INLINE void draw_nearest(const row_work& work, int32_t sx, span_mask mask, span_positions& p, const span_coefficients& c) {
   static_assert(q.offset_bits - 1 - max_extent_log2 >= 16);
   const row_levels& map = work.texels->levels_in_rows();
-  const nearest_level<MasksOnly> to(map, p, c.exponent, 1 << (c.exponent - q.coordinate_bits - 1));
+  const single_texels<MasksOnly> to(map, p, c.exponent);
   alignas(sizeof(v)) int32_t places[span_pixel_count];
   switch (terms_of(c)) {
     case 0: find_places<0>(c, to, places); break;
@@ -441,12 +441,15 @@ SPANTEX_INLINE alike_levels compared(const span_positions& p) {
   return {all_equal(differs >> q.level_bits, 0), TwoLevels && !all_equal(any & number<255>(), 0)};
 }
 
-// A span whose pixels are all on one whole level, or on it and the next.
+// A span whose pixels are all on one whole level, or on it and the next. Machines that spare levels (words) ask each group of pixels whether the next one has weight: a level's
+// colours cost them more than to ask.
 template <bool MasksOnly, rounded How>
 SPANTEX_INLINE void draw_on_level(const row_work& work, int32_t sx, span_mask mask, const span_positions& p, int32_t level) {
   constexpr bool two = How == rounded::between_levels;
   const row_levels& map = work.texels->levels_in_rows();
-  const on_level<int32_t> near = level_at_once<MasksOnly>(map, level, p), far = level_at_once<MasksOnly>(map, min_of(level + 1, work.last_level), p);
+  on_level<int32_t> near, far;
+  take_level<MasksOnly>(map, level, p, near);
+  if constexpr (two) take_level<MasksOnly>(map, level + 1, p, far);  // some pixel lies beyond `level`, which is not the last one then
   lanes_places at_near[placed_groups], at_far[placed_groups];
   draw_groups(work, sx, mask,
               [&](int n) SPANTEX_INLINED {

@@ -25,11 +25,11 @@ SPANTEX_INLINE table_level table_of(const planar_map& map, int32_t from_u, int32
   return {&plane, map.planes().values() + plane.first, from_u, from_v};
 }
 
-// From what span_positions has: bits 16 to 31 of (position << up) + add. What is not rounded yet takes half of a last bit with it, which up leaves whole.
+// From what span_positions has: bits 16 to 31 of (position 2^up) + add. Half of a last bit of coordinate_bits is added to all: what is rounded already has nothing there.
 struct table_positions { int32x4_t add_u, add_v, up; };
 
 SPANTEX_INLINE table_positions positions_on(const span_positions& p, const table_level& l, int level) {
-  const int up = 17 - cut_of(level);  // a texel becomes 2^24: add_of(level) 2^16 - 2^23
+  const int up = 17 - cut_of(level);  // 1 or more; a texel becomes 2^24: add_of(level) 2^16 - 2^23
   const uint32_t half = 1u << (up - 1);
   const auto add = [&](int32_t base, int32_t from) SPANTEX_INLINED { return vdupq_n_s32(int32_t(half + (1u << 16) - (1u << 23) + (uint32_t(base) << up) - (uint32_t(from) << 24))); };
   return {add(p.base_u, l.from_u), add(p.base_v, l.from_v), vdupq_n_s32(up - p.rest)};
@@ -232,13 +232,14 @@ template <int Channels>
   return true;
 }
 
-// Of the pixels [from, to).
-SPANTEX_INLINE void round_positions(const span_positions& p, int from, int to, span_positions& out) {
-  const auto rounded = [&](const int32_t* x) SPANTEX_INLINED { return rounded_shift(get(x), p.rest); };
-  for (int k = from; k < to; k += width) {
-    put(out.u + k, rounded(p.u + k));
-    put(out.v + k, rounded(p.v + k));
-    __builtin_memcpy(out.level + k, p.level + k, width * sizeof(level_number));
+// Of the four rows of four pixels that lie in memory from the k-th on.
+template <bool Levels>
+SPANTEX_INLINE void round_positions(const span_positions& p, int k, span_positions& out) {
+  const auto nearest = [&](const int32_t* x) SPANTEX_INLINED { return rounded_shift(get(x), p.rest); };
+  for (int r = 0; r < quad_side; ++r, k += width) {
+    put(out.u + k, nearest(p.u + k));
+    put(out.v + k, nearest(p.v + k));
+    if (Levels) __builtin_memcpy(out.level + k, p.level + k, width * sizeof(level_number));
   }
   out.rest = 0;
   out.base_u = p.base_u;
@@ -246,17 +247,17 @@ SPANTEX_INLINE void round_positions(const span_positions& p, int from, int to, s
   out.far = false;
 }
 
-// The four rows of four pixels that lie in memory from the k-th on, as spans.hpp draws them.
+// The same pixels, as spans.hpp draws them.
 template <filter Kind>
 [[gnu::noinline]] void quad_without_tables(const row_work& work, const span_positions& p, int k, span_mask of_quad, rgba8* to) {
   const row_levels& map = work.texels->levels_in_rows();
-  span_positions rounded;
-  round_positions(p, k, k + quad_side * width, rounded);
-  pixels_on_levels<true, uses_two_levels(Kind)> pixels(work, rounded);
+  span_positions own;
+  round_positions<uses_levels(Kind)>(p, k, own);
+  pixels_on_levels<true, uses_two_levels(Kind)> pixels(work, own);
   if (!uses_levels(Kind)) pixels.hold(0);
   for (int r = 0; r < quad_side; ++r, k += width, to += work.stride) {
     if (uses_levels(Kind)) pixels.place(k / width);
-    write(to, uint32_t(of_quad >> (span_side * r)), uses_levels(Kind) ? pixels.at(k / width) : pixels_of(blended_at<true>(map, pixels.near(), get(rounded.u + k), get(rounded.v + k), rounded)));
+    write(to, uint32_t(of_quad >> (span_side * r)), uses_levels(Kind) ? pixels.at(k / width) : pixels_of(blended_at<true>(map, pixels.near(), get(own.u + k), get(own.v + k), own)));
   }
 }
 

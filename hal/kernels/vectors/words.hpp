@@ -3,8 +3,7 @@
 // products each. Included by ../words.cpp alone.
 #pragma once
 
-constexpr bool places_first = true, moves_texels = true;
-constexpr bool spares_levels = true;  // whether a group of pixels is asked if the coarse level has weight for some, where its span has some
+constexpr bool places_first = true, moves_texels = true, spares_levels = true;
 constexpr int row_pairs_at_once = 4;  // of positions with levels
 typedef int32_t level_number;  // of a pixel, in memory
 

@@ -2,8 +2,7 @@
 // Vector kernels: what x86 has no operator for. SPANTEX_AVX2 decides between registers of 32 and 16 bytes. Included by ../avx2.cpp and ../sse41.cpp alone.
 #pragma once
 
-constexpr bool places_first = true, moves_texels = true;
-constexpr bool spares_levels = false;  // whether a group of pixels is asked if the coarse level has weight for some, where its span has some
+constexpr bool places_first = true, moves_texels = true, spares_levels = false;
 constexpr int row_pairs_at_once = 4;  // of positions with levels
 typedef int32_t level_number;  // of a pixel, in memory
 
@@ -34,6 +33,12 @@ SPANTEX_INLINE bool all_equal(v a, int32_t b) { return SPANTEX_OP(movemask_epi8)
 
 // 64-bit lanes; a product's shift is 1 or more and rounds halves up.
 SPANTEX_INLINE v_s64 size_of(v_s64 x) { return negated_where(x, x < 0); }
+#if SPANTEX_AVX2
+SPANTEX_INLINE v_s64 bit_lengths(v_s64 x) {
+  for (int k = 0; k < width / 2; ++k) x[k] = x[k] == 0 ? 64 : __builtin_clzll(uint64_t(x[k]));
+  return 64 - x;
+}
+#endif
 SPANTEX_INLINE v_64 rounded_shift(v_64 x, v_64 shift) { return (x + ((v_64{} + 1) << (shift - 1))) >> shift; }
 
 // The lower halves of one's 64-bit lanes and the upper halves of the other's.
