@@ -149,7 +149,7 @@ fuzz: setup-build setup-test ## fuzz both frame parsers of the bench and the dev
 	  mkdir -p $(B)/fuzz/found/$$t; \
 	  $(B)/fuzz/$$t -runs=$(FUZZ_RUNS) -seed=$(FUZZ_SEED) -entropic=0 -max_len=400 -timeout=120 -verbosity=0 -print_final_stats=1 -artifact_prefix=$(B)/fuzz/ $(B)/fuzz/found/$$t tests/fuzz/corpus/$$t || exit 1; done
 
-SANITIZE := -g -fsanitize=address,undefined,unsigned-integer-overflow -fno-sanitize-recover=all \
+SANITIZE := -gline-tables-only -fsanitize=address,undefined,unsigned-integer-overflow -fno-sanitize-recover=all \
             -fsanitize-ignorelist=tests/sanitize.ignore -DSPANTEX_CHECK_TRUST
 SUITES ?= $(UNIT_SOURCES:tests/unit/%.cpp=%)
 sanitize: setup-build setup-test ## unit tests (SUITES), command, stress and identity pictures under clang's address, undefined-behaviour and unsigned-overflow sanitizers
