@@ -18,7 +18,7 @@ struct table_level {
   const uint8_t* values;
   int32_t from_u, from_v;  // the texel
 };
-constexpr int before = 128, before_next = 192;  // how far from the base that is, and on the next level as on_next_level() has it
+constexpr int margin = 128, next_margin = 192;  // how far from the base that is, and on the next level as on_next_level() has it
 
 SPANTEX_INLINE table_level table_of(const planar_map& map, int32_t from_u, int32_t from_v, int level) {
   const byte_planes::level& plane = map.planes().at(level);
@@ -213,8 +213,8 @@ template <int Channels>
   const int fine = at_level.whole, coarse = fine + 1, coarsest = min_of(fine + 2, work.last_level);
   const int32_t half_u = c.base_u >> coarse, half_v = c.base_v >> coarse;
   const auto table = [&](int32_t u, int32_t w, int above, int level) SPANTEX_INLINED { return table_of(*work.texels, u - above, w - above, level); };
-  const table_level level[] = {table(2 * half_u, 2 * half_v, before, fine), table(half_u, half_v, before_next, coarse),
-                               table(c.base_u >> coarsest, c.base_v >> coarsest, before, coarsest)};
+  const table_level level[] = {table(2 * half_u, 2 * half_v, margin, fine), table(half_u, half_v, next_margin, coarse),
+                               table(c.base_u >> coarsest, c.base_v >> coarsest, margin, coarsest)};
   const quad_positions at = positions_of(positions_on(p, level[0], fine), p.u + k, p.v + k);
   table_colour near[Channels], middle[Channels], far[Channels];
   if (!level_colours<false>(level[0], at, near) || !level_colours<false>(level[1], on_next_level(at), middle) ||
@@ -273,8 +273,8 @@ template <filter Kind, int Channels>
   const auto hold = [&](int level) SPANTEX_INLINED {
     held = level;
     const int32_t half_u = c.base_u >> (level + 1), half_v = c.base_v >> (level + 1);
-    fine = table_of(map, 2 * half_u - before, 2 * half_v - before, level);
-    if constexpr (two) coarse = table_of(map, half_u - before_next, half_v - before_next, min_of(level + 1, work.last_level));
+    fine = table_of(map, 2 * half_u - margin, 2 * half_v - margin, level);
+    if constexpr (two) coarse = table_of(map, half_u - next_margin, half_v - next_margin, min_of(level + 1, work.last_level));
     on = positions_on(p, fine, level);
   };
   const ptrdiff_t stride = work.stride;
