@@ -134,9 +134,6 @@ struct next_batch {
     }
     plan_part<Kind>(k, work, steps, s, b);
   }
-  SPANTEX_INLINE void all() {
-    for (int k = 0; k < plan_parts; ++k) part(k);
-  }
 };
 
 // A batch's spans that are wanted and planned, bit k for span k; others that are wanted are left.
@@ -253,20 +250,20 @@ SPANTEX_INLINE void draw_batch_on_levels(const row_work& work, const batch& b, u
 template <filter Kind, int Channels>
 void draw_batches(const row_work& work, plans_of_left<Kind>& left) {
   const batch_order order(work, Kind);
-  const int begin = order.next(0);
-  if (begin >= work.count) return;  // without an operation of 512 bits: what draws the row instead is slower after one
+  int planned = order.next(0);
+  if (planned >= work.count) return;  // without an operation of 512 bits: what draws the row instead is slower after one
   const batch_steps steps(*work.map);
   batch two[2];
   setup s;
-  next_batch<Kind> start{work, steps, s, begin, two[0]};
-  start.all();
-  for (int first = begin, after, turn = 0; first < work.count; first = after, turn ^= 1) {
+  uint32_t spans = 0;  // of the batch that is drawn: none while the row's first one is planned
+  for (int turn = 0;; turn ^= 1) {
     const batch& b = two[turn];
-    after = order.next(first + batch_size);
-    next_batch<Kind> next{work, steps, s, after, two[turn ^ 1]};
-    const uint32_t spans = spans_of(work, b);
+    next_batch<Kind> next{work, steps, s, planned, two[turn ^ 1]};
     if constexpr (uses_levels(Kind) && !uses_footprint(Kind)) draw_batch_on_levels<Kind, Channels>(work, b, spans, next);
     else draw_batch<Kind, Channels>(work, b, spans, next, left);
+    if (planned >= work.count) return;
+    spans = spans_of(work, next.b);
+    planned = order.next(planned + batch_size);
   }
 }
 

@@ -208,7 +208,8 @@ bool draw_affine_row(const row_work& work) {
   const affine_plane& of = *kept;
   const auto by_rows = [&]<int Sections>() {
     if (of.section_rows <= 4) draw_affine<Gathers, Sections, 4>(work, of);
-    else if (of.section_rows <= 6) draw_affine<Gathers, Sections, 6>(work, of);
+    else if (of.section_rows == 5) draw_affine<Gathers, Sections, 5>(work, of);
+    else if (of.section_rows == 6) draw_affine<Gathers, Sections, 6>(work, of);
     else draw_affine<Gathers, Sections, 8>(work, of);
   };
   switch (of.sections) {

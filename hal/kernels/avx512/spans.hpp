@@ -77,16 +77,19 @@ SPANTEX_INLINE bool draw_bilinear(const row_work& work, const batch& b, int k) {
 // Texels in rows of eight, two rows a register.
 template <int Rows>
 struct texel_rows {
-  v16 two[Rows / 2];
+  v16 two[(Rows + 1) / 2];
   SPANTEX_INLINE texel_rows(const rgba8* at, int32_t stride) {
     const auto half = [&](int y) { return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(at + int64_t(y) * stride)); };
 #pragma GCC unroll 4
-    for (int n = 0; n < Rows / 2; ++n) two[n] = _mm512_inserti64x4(_mm512_castsi256_si512(half(2 * n)), half(2 * n + 1), 1);
+    for (int y = 0; y < Rows; y += 2) {
+      two[y / 2] = _mm512_castsi256_si512(half(y));
+      if (y + 1 < Rows) two[y / 2] = _mm512_inserti64x4(two[y / 2], half(y + 1), 1);
+    }
   }
   SPANTEX_INLINE v16 at(v16 index) const {
     const v16 upper_rows = _mm512_permutex2var_epi32(two[0], index, two[1]);
     if constexpr (Rows == 4) return upper_rows;
-    else if constexpr (Rows == 6) return _mm512_mask_permutexvar_epi32(upper_rows, _mm512_test_epi32_mask(index, of32<32>()), index, two[2]);
+    else if constexpr (Rows <= 6) return _mm512_mask_permutexvar_epi32(upper_rows, _mm512_test_epi32_mask(index, of32<32>()), index, two[2]);
     else return _mm512_mask_mov_epi32(upper_rows, _mm512_test_epi32_mask(index, of32<32>()), _mm512_permutex2var_epi32(two[2], index, two[3]));
   }
 };
