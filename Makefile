@@ -15,7 +15,9 @@ INCLUDES := -I. -Ifirmware
 # Libraries that are not ours come in as system headers: no warnings of theirs.
 SYSTEM   := -isystem /usr/include/stb
 CXXFLAGS ?=
-FLAGS     = $(STD) $(OPT) $(WARN) $(INCLUDES) $(SYSTEM) $(CXXFLAGS) -MMD -MP -pthread
+# gcc for x86 clears and copies what is some hundred bytes by instructions that take longer to begin than they save (docs/TRIED.md): the C library's functions instead.
+STRINGS  := $(if $(shell echo 1 | $(CXX) -mstringop-strategy=libcall -E - 2>/dev/null),-mstringop-strategy=libcall)
+FLAGS     = $(STD) $(OPT) $(STRINGS) $(WARN) $(INCLUDES) $(SYSTEM) $(CXXFLAGS) -MMD -MP -pthread
 JOBS     ?= $(shell nproc)
 
 # The bench's GPIO lines need libgpiod, 1.6 or 2; without it the command says so. Version 2 is tested everywhere, against its interface in tests/gpiod2.
@@ -227,12 +229,12 @@ $(B)/tests/bc: LIBRARIES := -lsquish
 $(B)/tests/c_interface: $(B)/firmware/spantex/spantex_c.o
 # What `spantex bench` says it is, and what the objects are made by; written anew only when that changes.
 COMMIT := $(shell git describe --always --dirty 2>/dev/null || echo unknown)
-MADE_BY := $(strip $(STD) $(OPT) $(CXXFLAGS)), kernels $(KERNEL_OPT), $(shell $(CXX) --version | head -n 1)
+MADE_BY := $(strip $(STD) $(OPT) $(STRINGS) $(CXXFLAGS)), kernels $(KERNEL_OPT), $(shell $(CXX) --version | head -n 1)
 $(B)/build.txt: force
 	@mkdir -p $(@D)
 	@printf '%s\n' '$(COMMIT)' '$(MADE_BY)' | cmp -s - $@ || printf '%s\n' '$(COMMIT)' '$(MADE_BY)' > $@
 $(B)/tools/spantex/bench_machine.o: $(B)/build.txt
-$(B)/tools/spantex/bench_machine.o: FLAGS += -DSPANTEX_COMMIT='"$(COMMIT)"' -DSPANTEX_FLAGS='"$(strip $(STD) $(OPT) $(CXXFLAGS))"'
+$(B)/tools/spantex/bench_machine.o: FLAGS += -DSPANTEX_COMMIT='"$(COMMIT)"' -DSPANTEX_FLAGS='"$(strip $(STD) $(OPT) $(STRINGS) $(CXXFLAGS))"'
 $(B)/hal/gpiod_lines.o: FLAGS += -DSPANTEX_GPIOD_VERSION=$(GPIOD_VERSION)
 GPIOD_MOCKS := chip_open_lookup chip_close chip_get_line chip_find_line line_is_used line_consumer line_request_bulk line_release_bulk \
                line_set_direction_input_bulk line_set_direction_output_bulk line_set_value_bulk line_get_value_bulk line_event_wait_bulk line_event_read
