@@ -27,7 +27,7 @@ struct alignas(64) thread_counts {
 // A host kernel and the maps made ready for it; null and none where the scalar engine draws.
 struct prepared {
   kernels::row_kernel kernel = nullptr;
-  std::vector<kernels::planar_map> maps;
+  std::vector<const kernels::planar_map*> maps;  // null: of none of the items
 };
 
 bool has_kernel(const scene& s, const draw_options& o) {
@@ -41,10 +41,9 @@ prepared prepare(const scene& s, const draw_options& o) {
   prepared p;
   if (!has_kernel(s, o)) return p;
   p.kernel = kernels::kernel_of(o.kernel);
-  for (const texture_map& map : *s.maps) {
-    for (int k = 0; k < map.level_count(); ++k) map.make_level(k);  // a kernel's map has all
-    p.maps.emplace_back(map.view(), kernels::layout_of(o.kernel));
-  }
+  p.maps.resize(s.maps->size());
+  for (const drawable& item : s.items)
+    if (const kernels::planar_map*& map = p.maps[size_t(item.map_index)]; map == nullptr) map = &s.map_of(item).planar(kernels::layout_of(o.kernel));
   return p;
 }
 
@@ -88,9 +87,20 @@ struct target {
   frame_depths& depth;
   const prepared& ready;
   const std::vector<uint8_t>& kept;  // spans (unchanged.hpp); empty: none
+  std::vector<band> rows;            // of pixels, that each item may cover; empty: all of them are in every band
+  bool may_cover(size_t item, band b) const { return rows.empty() || (rows[item].y0 < b.y1 && rows[item].y1 > b.y0); }
   int32_t columns() const { return (picture.width_px + span_side - 1) / span_side; }
   depth_buffer depths() const { return depth.values.empty() ? depth_buffer{} : depth_buffer{depth.values.data(), depth.floors.data()}; }
 };
+
+// Where a thread's band has some of the items alone: an item is a thousand bytes, which need not be read to see that it lies elsewhere.
+std::vector<band> rows_of_items(const scene& s, const std::vector<band>& bands) {
+  std::vector<band> rows;
+  if (bands.size() == 1) return rows;
+  rows.reserve(s.items.size());
+  for (const drawable& item : s.items) rows.push_back(item.is_polygon ? band{item.shape.box.y0, item.shape.box.y1} : band{0, s.size.height_px});
+  return rows;
+}
 
 // What is not kept.
 void clear(const target& out, band b, rgba8 background) {
@@ -142,25 +152,26 @@ struct reads_on_demand : counted_reads {
 
 status draw_item(auto& renderer, const drawable& item, const scene& s, const draw_options& o, band b, const target& out, draw_counters& counts) {
   const rectangle rows{0, b.y0, s.size.width_px, b.y1};
-  texture_view& map = renderer.reads().view;
-  SPANTEX_TRY(view_of(s, item, o, map));
-  renderer.reads().map = &s.map_of(item);
   shading how = o.how;
   if (item.colours.varies || !(item.colours.flat == white)) how.colours = &item.colours;
   const bool by_kernel = out.ready.kernel != nullptr && how.colours == nullptr;
+  texture_view& map = renderer.reads().view;
+  if (!by_kernel || renderer.reads().map != &s.map_of(item)) SPANTEX_TRY(view_of(s, item, o, map));  // a kernel's has all of its levels
+  renderer.reads().map = &s.map_of(item);
   if (by_kernel) SPANTEX_TRY(renderer.flush());  // what a surface with colours still computes lies under this one
   if (item.is_polygon) {
-    polygon part = item.shape;
-    part.box = intersection(part.box, rows);
-    if (by_kernel)
-      SPANTEX_TRY(kernels::draw_polygon(out.ready.kernel, out.ready.maps[size_t(item.map_index)], renderer, part, map, o.kind, out.depths(), frame_of(out.picture), counts, how));
-    else
+    if (by_kernel) {
+      SPANTEX_TRY(kernels::draw_polygon(out.ready.kernel, *out.ready.maps[size_t(item.map_index)], renderer, item.shape, map, o.kind, rows, out.depths(), frame_of(out.picture), counts, how));
+    } else {
+      polygon part = item.shape;
+      part.box = intersection(part.box, rows);
       SPANTEX_TRY(renderer.draw(part, map, o.kind, out.depths(), how));
+    }
     if (o.parts_done) o.parts_done(1);
     return status::ok;
   }
   if (by_kernel) {
-    SPANTEX_TRY(kernels::draw_plane(out.ready.kernel, out.ready.maps[size_t(item.map_index)], renderer, item.shape.map, map, o.kind, rows, frame_of(out.picture), counts, how));
+    SPANTEX_TRY(kernels::draw_plane(out.ready.kernel, *out.ready.maps[size_t(item.map_index)], renderer, item.shape.map, map, o.kind, rows, frame_of(out.picture), counts, how));
     if (o.parts_done) o.parts_done((b.y1 - b.y0 + span_side - 1) / span_side);
     return status::ok;
   }
@@ -224,8 +235,9 @@ void add(counters& sum, const counters& c) {
 void lay_depths_of(const scene& s, band b, const target& out, draw_counters& counts) {
   const int32_t width = s.size.width_px, columns = out.columns();
   const auto leaves = [&](int32_t sx, int32_t sy) { return !out.kept.empty() && out.kept[size_t(sy * columns + sx)] != 0; };
-  for (const drawable& item : s.items) {
-    polygon part = item.shape;
+  for (size_t k = 0; k < s.items.size(); ++k) {
+    if (!out.may_cover(k, b)) continue;
+    polygon part = s.items[k].shape;
     part.box = intersection(part.box, {0, b.y0, width, b.y1});
     counts.spans_total += lay_depths(part, out.depths(), width, s.size.height_px, leaves);
   }
@@ -246,7 +258,12 @@ status draw_band(const Prof& prof, Engine& engine, const scene& s, const draw_op
   renderer<Engine, Prof, shading, reads_on_demand<Engine>, run_time_skips> r(engine, prof, frame_of(out.picture), skips, {{}, &engine, nullptr, {}});
   r.single_half(o.single_half);
   if (o.depths_first && s.uses_depth()) lay_depths_of(s, b, out, counts.work);
-  for (const drawable& item : s.items) SPANTEX_TRY(draw_item(r, item, s, o, b, out, counts.work));
+  int elsewhere = 0;
+  for (size_t k = 0; k < s.items.size(); ++k) {
+    if (out.may_cover(k, b)) SPANTEX_TRY(draw_item(r, s.items[k], s, o, b, out, counts.work));
+    else ++elsewhere;
+  }
+  if (o.parts_done && elsewhere != 0) o.parts_done(elsewhere);
   SPANTEX_TRY(r.finish());
   add(counts.work, r.counters());
   add(counts.skipped, r.skipped());
@@ -293,9 +310,10 @@ double draw_once(const scene& s, const draw_options& o, const prepared& ready, c
                  draw_result& result, frame_depths& depth) {
   const std::vector<band>& bands = shares.bands;
   std::vector<thread_counts> counts(size_t(team.size()));
-  const target out{result.picture, depth, ready, kept};
+  target out{result.picture, depth, ready, kept, {}};
   team.run_by_shares(shares.starts, [&](int k, int) { clear(out, bands[size_t(k)], o.background); });
   const auto begun = std::chrono::steady_clock::now();
+  out.rows = rows_of_items(s, bands);
   team.run_by_shares(shares.starts, [&](int k, int thread) {
     const status done = draw_band_by_profile(s, o, bands[size_t(k)], out, counts[size_t(thread)]);
     if (done != status::ok) throw input_error(s.name + ": " + to_string(done));

@@ -97,6 +97,13 @@ void texture_map::make_all() const {
   for (int k = 0; k < level_count(); ++k) upload_level(k);
 }
 
+const kernels::planar_map& texture_map::planar(kernels::layout of) const {
+  const std::lock_guard<std::mutex> lock(planar_->one_at_a_time);
+  if (const auto found = planar_->made.find(of); found != planar_->made.end()) return found->second;
+  for (int k = 0; k < level_count(); ++k) make_level(k);
+  return planar_->made.emplace(of, kernels::planar_map(view_, of)).first->second;
+}
+
 texture_facts texture_map::facts() const {
   return waiting_ ? texture_facts{view_.facts().opaque, waiting_->uniform} : view_.facts();
 }

@@ -5,11 +5,13 @@
 #include <stdint.h>
 
 #include <atomic>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <string>
 #include <vector>
 
+#include <hal/kernels/planar_map.hpp>
 #include <spantex/texture.hpp>
 #include "encode.hpp"
 #include "file.hpp"
@@ -44,6 +46,8 @@ class texture_map {
   // Of a map whose levels are made on demand: make_level() before texels of a level are read. Any thread may; returns the words that it uploaded.
   const texture_view& view_on_demand() const { return view_; }
   uint64_t make_level(int level) const;
+  // As host kernels read it, with all levels: made when it is first asked for, and kept. Any thread may ask.
+  const kernels::planar_map& planar(kernels::layout of) const;
   texture_facts facts() const;  // of the levels that are made
   void set_colours(colour_space space) { view_.set_colours(space); }
   void set_contour(const contour_style& style);  // throws input_error
@@ -71,12 +75,17 @@ class texture_map {
     std::atomic<uint32_t> made{0}, asked{0};  // bits of levels
     std::atomic<uint16_t> uniform{0};
   };
+  struct planar_maps {
+    std::map<kernels::layout, kernels::planar_map> made{};
+    std::mutex one_at_a_time{};
+  };
   void upload_level(int level) const;
   void make_all() const;
 
   mutable std::vector<image> levels_;      // on demand: empty ones from where none was needed
   mutable std::vector<uint64_t> memory_;
   std::unique_ptr<waiting> waiting_;       // levels are made on demand
+  std::unique_ptr<planar_maps> planar_ = std::make_unique<planar_maps>();
   bytes pack_;
   texture_view view_;  // points into memory_ or pack_, whose bytes stay where they are when the map is moved
 };

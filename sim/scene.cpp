@@ -26,7 +26,7 @@ matrix matrix_of(const plane& p) {
 }  // namespace
 
 int32_t to_fixed(double x, int fraction_bits) {
-  const double scaled = ldexp(x, fraction_bits);
+  const double scaled = x * double(int64_t(1) << fraction_bits);
   if (!(fabs(scaled) < 2147483647.0)) throw input_error("scene: number too large for the engine: " + std::to_string(x));
   return int32_t(lround(scaled));
 }

@@ -114,6 +114,7 @@ scene look_at(const world& w, const camera_options& camera, screen_size size) {
   lens view = make_lens(size, radians(camera.vertical_degrees), near_z);
   view.skips_outside = camera.skips_outside;
   std::vector<vertex> corners;
+  s.items.reserve(w.faces.size());
   for (const world_face& face : w.faces) {
     corners.clear();
     for (const world_vertex& c : face.corners) corners.push_back(to_vertex(c, f, scale));

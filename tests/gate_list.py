@@ -8,7 +8,7 @@ STRESS = ["stress", "a_short_run*", [f"sim/stress{part}.cpp" for part in ("", "_
 OBJECT_SPACE = ["sim/" + name + ".cpp" for name in ("distance_field", "draw_host", "encode", "encode_bc", "encode_etc", "figures", "file", "ideal",
                                                     "image", "map", "object_space_host", "palette", "pattern", "prefilter", "quality", "reference",
                                                     "scene", "trace", "unchanged", "world")] + KERNELS
-MAPS = ["sim/" + name + ".cpp" for name in ("encode", "encode_bc", "encode_etc", "file", "image", "map", "palette", "pattern", "prefilter")]
+MAPS = ["sim/" + name + ".cpp" for name in ("encode", "encode_bc", "encode_etc", "file", "image", "map", "palette", "pattern", "prefilter")] + [f"hal/kernels/{name}.cpp" for name in ("byte_planes", "planar_map", "row_levels")]
 PACKS = MAPS + ["sim/pack.cpp", "sim/inverse_filter.cpp"]
 LEVELS = MAPS + ["sim/" + name + ".cpp" for name in ("archive", "ideal", "level", "model", "scene", "tour", "world")]
 FIELDS = PACKS + ["sim/distance_field.cpp"]
@@ -99,6 +99,11 @@ GATES = [
     ("the C interface's scales mixed up", F + "spantex_c.cpp", "s.scale_x, s.scale_y, s.angle", "s.scale_y, s.scale_x, s.angle", "c_interface", "quads_and*", [F + "spantex_c.cpp"]),
     ("a null map taken", F + "spantex_c.cpp", "map == nullptr || in(*map).level_count() == 0", "map == nullptr", "c_interface", "what_is*", [F + "spantex_c.cpp"]),
     ("wrong tie rule of edges", F + "coverage.hpp", "dy < 0 || (dy == 0 && dx > 0)", "dy < 0 || dy == 0", "coverage", "a_square*", []),
+    ("coverage: edges that cross a span rounded up", F + "coverage.hpp", "centre_subpixels(sy * span_side)) >> subpixel_bits);", "centre_subpixels(sy * span_side)) / (1 << subpixel_bits));", "coverage", "triangles*", []),
+    ("rectangles without their last row", F + "coverage.hpp", "(span_side * (span_side - (y1 - y0)))", "(span_side * (span_side - max_of(y1 - y0 - 1, 1)))", "coverage", "rectangles*", []),
+    ("kernels' coverage: edges rounded up", "hal/kernels/coverage.hpp", "centre_subpixels(0)) >> subpixel_bits, 0,", "centre_subpixels(0)) / (1 << subpixel_bits), 0,", "coverage", "kernels_cover*", []),
+    ("kernels' coverage: no more than three edges", "hal/kernels/coverage.hpp", "for (int k = 0; k < count; k += at_once)", "for (int k = 0; k < 1; k += at_once)", "coverage", "kernels_cover*", []),
+    ("kernels' coverage: the last edge alone where a group is not full", "hal/kernels/coverage.hpp", "crossing[count + n - 1] = crossing[count - 1];", "crossing[count + n - 1] = 0;", "coverage", "kernels_cover*", []),
     ("no tie rule of edges", F + "coverage.hpp", "(top_left ? 0 : 1)", "0 * top_left", "coverage", "fans*", []),
     ("swapped banks", F + "local_memory.hpp", "fine_[channel][parity_banks::bank(x, y)][block] = value;",
      "fine_[channel][parity_banks::bank(y, x)][block] = value;", "local_memory_banks", "every_fetch*", []),
@@ -423,6 +428,8 @@ GATES = [
     ("spans kept though surfaces change places", "sim/unchanged.cpp", "if (at != ends.begin()) previous[size_t(k)] = at[-1];", "if (k > 0) previous[size_t(k)] = k - 1;", "unchanged", "random*", OBJECT_SPACE),
     ("what lies in a surface taken for hidden", "sim/unchanged.cpp", ">= depth_.values", "> depth_.values", "unchanged", "what_moves*", OBJECT_SPACE),
     ("threads without shares of their own", "sim/parallel.hpp", "boxes_[(size_t(thread) + n) % boxes_.size()]", "boxes_[n]", "bands", "threads_keep*", OBJECT_SPACE),
+    ("items that begin within a band left out", "sim/draw_host.cpp", "(rows[item].y0 < b.y1 &&", "(rows[item].y0 < b.y0 &&", "bands", "drawn_again*", OBJECT_SPACE),
+    ("maps made ready for each picture anew", "sim/map.cpp", "if (const auto found = planar_->made.find(of); found != planar_->made.end()) return found->second;", "planar_->made.erase(of);", "bands", "maps_are*", OBJECT_SPACE),
     ("work after one has failed", "sim/parallel.hpp", "failed_ = true;", "", "bands", "a_team*", OBJECT_SPACE),
     ("sweeps and the like by shares", "sim/parallel.hpp", "run_by_shares({0, count}, ", "run_by_shares({0, count / 2, count}, ", "bands", "a_team_works*", OBJECT_SPACE),
     ("parts of culled polygons announced", "sim/draw_host.cpp", "without_culled(all, options.culled, kept_items);\n  const int bands", "without_culled(all, cull::none, kept_items);\n  const int bands", "bands", "parts_add*", OBJECT_SPACE),

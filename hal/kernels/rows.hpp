@@ -6,6 +6,7 @@
 
 #include <algorithm>
 
+#include <hal/kernels/coverage.hpp>
 #include <hal/kernels/kernel.hpp>
 #include <hal/kernels/shortcuts.hpp>
 #include <hal/kernels/upright.hpp>
@@ -96,13 +97,15 @@ status draw_plane(row_kernel kernel, const planar_map& texels, Renderer& scalar,
   return detail::draw_rows(kernel, texels, scalar, surface{&p, &t, kind}, area, frame, counts, cover, how...);
 }
 
-// Draws a polygon, hidden parts left out, opaque. The same otherwise; `scalar` must hold nothing that is still computing, and holds nothing afterwards.
+// Draws the part of a polygon inside `area`, hidden parts left out, opaque. The same otherwise; `scalar` must hold nothing that is still computing, and holds nothing afterwards.
 template <class Renderer, class... How>
-status draw_polygon(row_kernel kernel, const planar_map& texels, Renderer& scalar, const polygon& p, const texture_view& t, filter kind, depth_buffer depth,
+status draw_polygon(row_kernel kernel, const planar_map& texels, Renderer& scalar, const polygon& p, const texture_view& t, filter kind, rectangle area, depth_buffer depth,
                     const frame_buffer& frame, draw_counters& counts, const How&... how) {
+  polygon_coverage covered(p.edges);
   const auto cover = [&](rectangle r, int32_t first, int count, int32_t sy, detail::row_masks& out) {
     out.from = count;
     out.to = 0;
+    covered.begin_row(sy);
     for (int k = 0; k < count; ++k) {
       span_mask& mask = out.mask[k];
       if (scalar.keeps(first + k, sy)) {
@@ -110,7 +113,7 @@ status draw_polygon(row_kernel kernel, const planar_map& texels, Renderer& scala
         mask = 0;
         continue;
       }
-      mask = coverage(p.edges, first + k, sy);
+      mask = covered.of(first + k);
       if (mask != 0) mask &= rectangle_mask(r, first + k, sy);
       if (mask == 0) { ++counts.spans_empty; continue; }
       mask &= front_mask(p.map, first + k, sy);
@@ -123,7 +126,7 @@ status draw_polygon(row_kernel kernel, const planar_map& texels, Renderer& scala
       counts.pixels += uint64_t(__builtin_popcountll(mask));
     }
   };
-  SPANTEX_TRY(detail::draw_rows(kernel, texels, scalar, surface{&p.map, &t, kind}, p.box, frame, counts, cover, how...));
+  SPANTEX_TRY(detail::draw_rows(kernel, texels, scalar, surface{&p.map, &t, kind}, intersection(p.box, area), frame, counts, cover, how...));
   return scalar.flush();
 }
 

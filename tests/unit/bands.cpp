@@ -86,6 +86,22 @@ SPANTEX_CASE(drawn_again_is_the_same) {
 }
 
 // Of spans that are not kept, too.
+// By a kernel too, whose maps are made ready once: bytes and addresses are those of the first time, whoever asks.
+SPANTEX_CASE(maps_are_made_ready_once) {
+  scene_request r;
+  r.size = {67, 45};
+  const scene s = make_named_scene("turning", r);
+  const texture_map& map = s.map_of(s.items.front());
+  const kernels::planar_map* const first = &map.planar(kernels::layout::rows_and_blocks);
+  for_each_index(8, 4, [&](int k) {
+    draw_options o;
+    o.kernel = k % 2 == 0 ? kernels::choice::words : kernels::choice::fastest;
+    draw(s, o);
+    map.planar(kernels::layout(k % 3));
+  });
+  assert_ptr_equal(&map.planar(kernels::layout::rows_and_blocks), first);
+}
+
 SPANTEX_CASE(frames_drawn_again_are_the_same) {
   scene_request r;
   r.size = {67, 45};
@@ -189,6 +205,7 @@ int main() {
       cmocka_unit_test(bands_are_as_high_as_they_are_planned),
       cmocka_unit_test(parts_add_up),
       cmocka_unit_test(drawn_again_is_the_same),
+      cmocka_unit_test(maps_are_made_ready_once),
       cmocka_unit_test(frames_drawn_again_are_the_same),
       cmocka_unit_test(a_team_does_everything_once),
       cmocka_unit_test(a_team_works_in_order),

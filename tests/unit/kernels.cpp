@@ -387,7 +387,7 @@ SPANTEX_CASE(polygons_of_whole_texels_are_copied) {
     draw_counters counts;
     SPANTEX_ASSERT_OK(r.draw(p, map.view, kind, depth_buffer{}));
     SPANTEX_ASSERT_OK(r.finish());
-    SPANTEX_ASSERT_OK(kernels::draw_polygon(no_kernel, map.rows, rest, p, map.view, kind, depth_buffer{}, copied.frame(), counts));
+    SPANTEX_ASSERT_OK(kernels::draw_polygon(no_kernel, map.rows, rest, p, map.view, kind, p.box, depth_buffer{}, copied.frame(), counts));
     assert_true(copied.pixels == by_scalar.pixels);
     assert_int_equal(counts.pixels, r.counters().pixels);
   }
@@ -451,7 +451,7 @@ SPANTEX_CASE(polygons_with_depth_are_the_same) {
       depths own;
       draw_counters counts;
       each_triangle([&](const polygon& p) {
-        return kernels::draw_polygon(kernels::kernel_of(k.which), map.of(k.which), rest, p, map.view, kind, own.buffer(), by_kernel.frame(), counts);
+        return kernels::draw_polygon(kernels::kernel_of(k.which), map.of(k.which), rest, p, map.view, kind, p.box, own.buffer(), by_kernel.frame(), counts);
       });
       SPANTEX_ASSERT_OK(rest.finish());
       if (by_kernel.pixels != by_scalar.pixels) fail_msg("%s, filter %d: not the engine's bytes", k.name, int(kind));
