@@ -216,12 +216,12 @@ SPANTEX_CASE(kernels_cover_the_same_pixels) {
   random_source random(57);
   int partial[max_edges + 1] = {};
   for (int n = 0; n < 60000; ++n) {
-    const int32_t reach = 1 << (11 + n % 12), sx = int32_t(random.next() % 512), sy = int32_t(random.next() % 512);
+    const int32_t far = 1 << (11 + n % 12), sx = int32_t(random.next() % 512), sy = int32_t(random.next() % 512);
     const screen_point inside = centre_of(sx * span_side + int32_t(random.next() % span_side), sy * span_side + int32_t(random.next() % span_side));
     edge_set s;
     s.count = 1 + n / 12 % max_edges;
     for (int k = 0; k < s.count; ++k) {
-      const auto near = [&](int32_t x) { return x + int32_t(random.between(-reach, reach)); };
+      const auto near = [&](int32_t x) { return x + int32_t(random.between(-far, far)); };
       const screen_point p{near(inside.x), near(inside.y)}, q{near(inside.x), near(inside.y)};
       s.edges[k] = make_edge(p, q);
       if (s.edges[k].at(inside.x, inside.y) < 0) s.edges[k] = make_edge(q, p);
