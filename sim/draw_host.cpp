@@ -24,10 +24,13 @@ struct alignas(64) thread_counts {
   uint64_t cycles_of_all_machines = 0, blocks_decoded = 0;
 };
 
+bool has_colours(const drawable& item) { return item.colours.varies || !(item.colours.flat == white); }
+
 // A host kernel and the maps made ready for it; null and none where the scalar engine draws.
 struct prepared {
   kernels::row_kernel kernel = nullptr;
-  std::vector<const kernels::planar_map*> maps;  // null: of none of the items
+  std::vector<const kernels::planar_map*> maps;  // null: of no item that it draws
+  bool draws(const drawable& item) const { return kernel != nullptr && !has_colours(item); }
 };
 
 bool has_kernel(const scene& s, const draw_options& o) {
@@ -42,8 +45,10 @@ prepared prepare(const scene& s, const draw_options& o) {
   if (!has_kernel(s, o)) return p;
   p.kernel = kernels::kernel_of(o.kernel);
   p.maps.resize(s.maps->size());
-  for (const drawable& item : s.items)
-    if (const kernels::planar_map*& map = p.maps[size_t(item.map_index)]; map == nullptr) map = &s.map_of(item).planar(kernels::layout_of(o.kernel));
+  for (const drawable& item : s.items) {
+    const kernels::planar_map*& map = p.maps[size_t(item.map_index)];
+    if (map == nullptr && p.draws(item)) map = &s.map_of(item).planar(kernels::layout_of(o.kernel));
+  }
   return p;
 }
 
@@ -93,12 +98,13 @@ struct target {
   depth_buffer depths() const { return depth.values.empty() ? depth_buffer{} : depth_buffer{depth.values.data(), depth.floors.data()}; }
 };
 
-// Where a thread's band has some of the items alone: an item is a thousand bytes, which need not be read to see that it lies elsewhere.
-std::vector<band> rows_of_items(const scene& s, const std::vector<band>& bands) {
+// Rows of pixels that each item may cover, so that a band need not read items that lie elsewhere, a thousand bytes each. The engine counts what it leaves out of any item: it is asked
+// for all of its own.
+std::vector<band> rows_of_items(const scene& s, const prepared& ready, const std::vector<band>& bands) {
   std::vector<band> rows;
-  if (bands.size() == 1) return rows;
+  if (bands.size() == 1 || ready.kernel == nullptr) return rows;
   rows.reserve(s.items.size());
-  for (const drawable& item : s.items) rows.push_back(item.is_polygon ? band{item.shape.box.y0, item.shape.box.y1} : band{0, s.size.height_px});
+  for (const drawable& item : s.items) rows.push_back(item.is_polygon && ready.draws(item) ? band{item.shape.box.y0, item.shape.box.y1} : band{0, s.size.height_px});
   return rows;
 }
 
@@ -153,10 +159,10 @@ struct reads_on_demand : counted_reads {
 status draw_item(auto& renderer, const drawable& item, const scene& s, const draw_options& o, band b, const target& out, draw_counters& counts) {
   const rectangle rows{0, b.y0, s.size.width_px, b.y1};
   shading how = o.how;
-  if (item.colours.varies || !(item.colours.flat == white)) how.colours = &item.colours;
-  const bool by_kernel = out.ready.kernel != nullptr && how.colours == nullptr;
+  if (has_colours(item)) how.colours = &item.colours;
+  const bool by_kernel = out.ready.draws(item);
   texture_view& map = renderer.reads().view;
-  if (!by_kernel || renderer.reads().map != &s.map_of(item)) SPANTEX_TRY(view_of(s, item, o, map));  // a kernel's has all of its levels
+  if (!by_kernel || renderer.reads().map != &s.map_of(item)) SPANTEX_TRY(view_of(s, item, o, map));  // of the same map it would be the same, whose levels are all made
   renderer.reads().map = &s.map_of(item);
   if (by_kernel) SPANTEX_TRY(renderer.flush());  // what a surface with colours still computes lies under this one
   if (item.is_polygon) {
@@ -313,7 +319,7 @@ double draw_once(const scene& s, const draw_options& o, const prepared& ready, c
   target out{result.picture, depth, ready, kept, {}};
   team.run_by_shares(shares.starts, [&](int k, int) { clear(out, bands[size_t(k)], o.background); });
   const auto begun = std::chrono::steady_clock::now();
-  out.rows = rows_of_items(s, bands);
+  out.rows = rows_of_items(s, ready, bands);
   team.run_by_shares(shares.starts, [&](int k, int thread) {
     const status done = draw_band_by_profile(s, o, bands[size_t(k)], out, counts[size_t(thread)]);
     if (done != status::ok) throw input_error(s.name + ": " + to_string(done));

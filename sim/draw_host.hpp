@@ -121,7 +121,7 @@ struct draw_result {
   texel_format format = texel_format::rgba8888;  // of the first map
   colour_space colours = colour_space::coded;    // likewise
   std::string_view kernel = "scalar";            // what drew: see kernel_names
-  uint64_t words_uploaded = 0;       // 64-bit words of all maps into global texture memory: of levels made on demand those that spans read, so far
+  uint64_t words_uploaded = 0;       // 64-bit words of all maps into global texture memory: of levels made on demand those that spans read, so far, or all of a map that a kernel draws
   uint64_t blocks_decoded = 0;       // of compressed formats, by the scalar engine
   counters machine;                  // engine sim: summed, total_cycles the longest
   int machines = 0;                  // engines, one per thread that had a row of spans

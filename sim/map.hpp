@@ -46,7 +46,7 @@ class texture_map {
   // Of a map whose levels are made on demand: make_level() before texels of a level are read. Any thread may; returns the words that it uploaded.
   const texture_view& view_on_demand() const { return view_; }
   uint64_t make_level(int level) const;
-  // As host kernels read it, with all levels: made when it is first asked for, and kept. Any thread may ask.
+  // As host kernels read it, with all levels: made when it is first asked for, and kept as long as the map, up to one a layout. Any thread may ask.
   const kernels::planar_map& planar(kernels::layout of) const;
   texture_facts facts() const;  // of the levels that are made
   void set_colours(colour_space space) { view_.set_colours(space); }

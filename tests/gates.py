@@ -30,7 +30,7 @@ LINK = ["-lcmocka", "-Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc"]
 def build_is_ours():
     """Whether the build's objects and those made here go together."""
     note = BUILD / "build.txt"
-    return CXX == "g++" and note.exists() and note.read_text().splitlines()[-1].startswith("-std=c++20 -O2, kernels -O3, g++ ")
+    return CXX == "g++" and note.exists() and re.match(r"-std=c\+\+20 -O2( -mstringop-strategy=libcall)?, kernels -O3, g\+\+ ", note.read_text().splitlines()[-1])
 
 
 @functools.cache

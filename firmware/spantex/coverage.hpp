@@ -55,31 +55,25 @@ constexpr edge_range range_of(const edge& e, int32_t x, int32_t y, int32_t width
   return {corner, corner + (far_x < 0 ? far_x : 0) + (far_y < 0 ? far_y : 0), corner + (far_x > 0 ? far_x : 0) + (far_y > 0 ? far_y : 0)};
 }
 
-// Pixels of span (sx, sy) on the inner side of an edge that crosses it. From pixel to pixel an edge's value changes by 256 a and 256 b: its sign is that of
-// floor(value / 256), which is less than 2^27 in such a span.
+// Pixels of span (sx, sy) on the inner side of one edge.
 constexpr span_mask edge_mask(const edge& e, int32_t sx, int32_t sy) {
-  int32_t row = int32_t(e.at(centre_subpixels(sx * span_side), centre_subpixels(sy * span_side)) >> subpixel_bits);
-  const int32_t a = int32_t(e.a), b = int32_t(e.b);
-  span_mask outside = 0;
-  for (int j = 0; j < span_side; ++j, row += b) {
-    int32_t value = row + a * (span_side - 1);
-    uint32_t pixels = 0;
-    for (int i = 0; i < span_side; ++i, value -= a) pixels = pixels << 1 | uint32_t(value) >> 31;
-    outside |= span_mask(pixels) << (span_side * j);
+  constexpr int64_t step = int64_t(1) << subpixel_bits;
+  const auto [corner, low, high] = range_of(e, sx * span_side, sy * span_side, span_side, span_side);
+  if (low >= 0) return full_mask;
+  if (high < 0) return 0;
+  span_mask mask = 0;
+  int64_t row = corner;
+  for (int j = 0; j < span_side; ++j, row += e.b * step) {
+    int64_t value = row;
+    for (int i = 0; i < span_side; ++i, value += e.a * step)
+      if (value >= 0) mask |= span_mask(1) << (span_side * j + i);
   }
-  return ~outside;
+  return mask;
 }
 
-// Pixels of span (sx, sy) on the inner side of all edges. What most spans miss, they miss as a whole.
 constexpr span_mask coverage(const edge_set& set, int32_t sx, int32_t sy) {
-  uint32_t crossing = 0;  // bit k: edge k
-  for (int k = 0; k < set.count; ++k) {
-    const edge_range range = range_of(set.edges[k], sx * span_side, sy * span_side, span_side, span_side);
-    if (range.high < 0) return 0;
-    crossing |= uint32_t(range.low < 0) << k;
-  }
   span_mask mask = full_mask;
-  for (; crossing != 0 && mask != 0; crossing &= crossing - 1) mask &= edge_mask(set.edges[__builtin_ctz(crossing)], sx, sy);
+  for (int k = 0; k < set.count && mask != 0; ++k) mask &= edge_mask(set.edges[k], sx, sy);
   return mask;
 }
 
@@ -89,8 +83,9 @@ constexpr span_mask rectangle_mask(rectangle r, int32_t sx, int32_t sy) {
   const int32_t y0 = clamp_to(r.y0 - sy * span_side, 0, span_side), y1 = clamp_to(r.y1 - sy * span_side, 0, span_side);
   if (x0 >= x1 || y0 >= y1) return 0;
   const uint32_t row = ((1u << x1) - 1) & ~((1u << x0) - 1);
-  constexpr span_mask first_column = full_mask / 0xFF;
-  return row * first_column >> (span_side * (span_side - (y1 - y0))) << (span_side * y0);
+  span_mask mask = 0;
+  for (int j = y0; j < y1; ++j) mask |= span_mask(row) << (span_side * j);
+  return mask;
 }
 
 // Pixels of span (sx, sy) at which a linear form in half pixels about an origin is positive.

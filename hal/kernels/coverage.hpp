@@ -51,10 +51,10 @@ class polygon_coverage {
   struct pixel_edge {
     int32_t a, b;
     int64_t first, row;   // at pixel (0, 0); at the row's first
-    int32_t least, most;  // that a span's pixels add to its first one's
+    int32_t least, most;  // that a pixel's value differs from the first pixel's
   };
 
-  // Of one half of the span's rows; value: of the edges at the last pixel of its first row.
+  // Of one half of the span's rows, the first one's in the lowest byte. first: the edges' values at the last pixels of its rows.
   static uint32_t outside_of(const rows (&step)[at_once], const rows (&first)[at_once]) {
     rows value[at_once] = {first[0], first[1], first[2]}, pixels = {};
 #pragma GCC unroll 8
@@ -62,7 +62,8 @@ class polygon_coverage {
       pixels = pixels + pixels - ((value[0] | value[1] | value[2]) >> 31);
       for (int n = 0; n < at_once; ++n) value[n] -= step[n];
     }
-    return __builtin_bit_cast(uint32_t, __builtin_convertvector(pixels, bytes));
+    const uint32_t word = __builtin_bit_cast(uint32_t, __builtin_convertvector(pixels, bytes));
+    return __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__ ? __builtin_bswap32(word) : word;
   }
 
   span_mask outside_of(const int32_t (&corners)[max_edges], const int* some) const {

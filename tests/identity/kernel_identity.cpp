@@ -80,6 +80,23 @@ void compare(kernels::choice which, const plane& p, const texture_view& view, fi
   sum.left += spans - counts.jobs;
 }
 
+// By vectors as by the engine.
+void compare_coverage() {
+  for (int n = 0; n < 2000; ++n) {
+    edge_set set;
+    for (set.count = 0; set.count < 1 + n % 5; ++set.count) {
+      const auto point = [] { return screen_point{int32_t(random_bits() % (width << subpixel_bits)), int32_t(random_bits() % (height << subpixel_bits))}; };
+      set.edges[set.count] = make_edge(point(), point());
+    }
+    kernels::polygon_coverage by_vectors(set);
+    for (int32_t sy = 0; sy < height / span_side; ++sy) {
+      by_vectors.begin_row(sy);
+      for (int32_t sx = 0; sx < width / span_side; ++sx)
+        if (by_vectors.of(sx) != coverage(set, sx, sy)) std::abort();
+    }
+  }
+}
+
 }  // namespace
 
 int main() {
@@ -88,6 +105,7 @@ int main() {
                                                                        {kernels::choice::neon, "neon"}, {kernels::choice::avx512, "avx512"}, {kernels::choice::avx512_gathers, "avx512-gathers"}};
   struct { filter kind; const char* name; } const filters[] = {{filter::nearest, "nearest"}, {filter::bilinear, "bilinear"}, {filter::mip_bilinear, "mip-bilinear"},
                                                                {filter::trilinear, "trilinear"}, {filter::aniso, "aniso"}};
+  compare_coverage();
   for (const auto& kernel : every) {
     if (kernels::kernel_of(kernel.which) == nullptr) continue;
     for (const auto& f : filters) {

@@ -34,6 +34,11 @@ MISSING = 3  # exit code: this machine has not the kernel
 LEAST = 1000  # instructions of any picture
 
 
+def flags():
+    """Of the build, but for the kernels' own."""
+    return (BUILD / "build.txt").read_text().splitlines()[-1].partition(",")[0].split()
+
+
 def lines_of(*arguments):
     """What a program printed, split; None where it has not the kernel."""
     done = subprocess.run([str(a) for a in arguments], capture_output=True, text=True, env=SAME_LIBRARY)
@@ -68,7 +73,7 @@ def counted():
         folder = pathlib.Path(name)
         program = folder / "kernel_pictures"
         objects = [(BUILD / source).with_suffix(".o") for source in SOURCES]
-        targets.run(CXX, "-std=c++20", "-O2", "-I.", "-Ifirmware", PICTURES, *objects, "-Wl,-z,now", "-o", program)  # nothing is bound by the first picture
+        targets.run(CXX, *flags(), "-I.", "-Ifirmware", PICTURES, *objects, "-Wl,-z,now", "-o", program)  # nothing is bound by the first picture
         counts = {kernel: by_callgrind(program, kernel, folder) for kernel in BY_CALLGRIND} | {kernel: by_trap(program, kernel) for kernel in BY_TRAP}
         counts["neon"] = by_emulator(folder)
     rows = {f"{kernel}/{picture}": count for kernel, of_pictures in counts.items() for picture, count in (of_pictures or {}).items()}

@@ -32,8 +32,8 @@ def fail(text):
     sys.exit(f"work_counts: {text}")
 
 
-def checked(arguments):
-    done = subprocess.run(list(map(str, arguments)), capture_output=True, text=True)
+def checked(arguments, environment=None):
+    done = subprocess.run(list(map(str, arguments)), capture_output=True, text=True, env=environment)
     if done.returncode != 0:
         fail(f"{' '.join(map(str, arguments))}: exit {done.returncode}: {done.stderr[-600:]}")
     return done.stdout
@@ -81,7 +81,7 @@ def instructions():
     with tempfile.TemporaryDirectory() as folder:
         out = pathlib.Path(folder) / "out"
         printed = checked(["valgrind", "--tool=callgrind", f"--callgrind-out-file={out}", f"--toggle-collect={COUNTED_FUNCTION}", 
-                           command.BINARY, "bench", "--counts", "--draws-only"])
+                           command.BINARY, "bench", "--counts", "--draws-only"], kernel_instructions.SAME_LIBRARY)
         build, *names = printed.splitlines()
         costs = inclusive_costs(out.read_text())
         text = build + "\n# row instructions\n"

@@ -13,7 +13,7 @@ struct bench_machine {
 };
 
 bench_machine this_machine();
-// "g++ 12.2.0, -std=c++20 -O2": what counts of instructions depend on.
+// "g++ 12.2.0, -std=c++20 -O2 -mstringop-strategy=libcall": what counts of instructions depend on.
 std::string build_text(const bench_machine& m);
 
 }  // namespace spantex::tool
