@@ -67,7 +67,7 @@ struct band_shares {
 
 // A simulated machine a thread. The direct engine takes shorter and shorter bands, since some rows, as those near a horizon, cost more than others and a thread that is done helps the
 // others: first half of its thread's share (of n threads an n-th, a thread's part if the other shares cost nothing), then a third of what is left each; a band costs as much
-// besides as some ten spans.
+// besides as some seven spans.
 band_shares make_bands(const scene& s, const draw_options& o) {
   constexpr int least_rows = 4;  // of spans, of bands that plan their columns, each again
   const bool planned = planned_as_a_whole(s, o);
