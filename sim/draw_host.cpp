@@ -102,7 +102,7 @@ struct target {
 // for all of its own.
 std::vector<band> rows_of_items(const scene& s, const prepared& ready, const std::vector<band>& bands) {
   std::vector<band> rows;
-  if (bands.size() == 1 || ready.kernel == nullptr) return rows;
+  if (bands.size() == 1) return rows;
   rows.reserve(s.items.size());
   for (const drawable& item : s.items) rows.push_back(item.is_polygon && ready.draws(item) ? band{item.shape.box.y0, item.shape.box.y1} : band{0, s.size.height_px});
   return rows;
