@@ -77,14 +77,16 @@ rgba8 rounded(const colour& c) {
 image render_float(const scene& s, filter kind, int mip_bias, rgba8 background) {
   image out(s.size.width_px, s.size.height_px, background);
   const std::vector<int> shown = visible_items(s);
+  std::vector<float_matrix> matrices;
+  for (const drawable& item : s.items) {
+    const matrix exact = ideal_of(item);
+    std::transform(exact.begin(), exact.end(), matrices.emplace_back().begin(), [](double x) { return float(x); });
+  }
   for (int j = 0; j < out.height_px; ++j)
     for (int i = 0; i < out.width_px; ++i) {
       const int index = shown[size_t(j) * size_t(out.width_px) + size_t(i)];
       if (index < 0) continue;
-      const drawable& item = s.items[size_t(index)];
-      float_matrix m;
-      std::transform(item.ideal.begin(), item.ideal.end(), m.begin(), [](double x) { return float(x); });
-      out.at(i, j) = rounded(sample(s.texture(item), kind, mip_bias, m, float(i) + 0.5f, float(j) + 0.5f));
+      out.at(i, j) = rounded(sample(s.texture(s.items[size_t(index)]), kind, mip_bias, matrices[size_t(index)], float(i) + 0.5f, float(j) + 0.5f));
     }
   return out;
 }

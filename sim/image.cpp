@@ -1,10 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "image.hpp"
 
+#include <libdeflate.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include <memory>
 
+namespace {
+
+// stb_image_write's own compressor takes three times as long and leaves a third more. Null: no memory; freed by free().
+unsigned char* zlib_stream(const unsigned char* data, int size, int* stream_size, int) {
+  constexpr int fastest = 1;
+  const std::unique_ptr<libdeflate_compressor, void (*)(libdeflate_compressor*)> compressor(libdeflate_alloc_compressor(fastest), libdeflate_free_compressor);
+  if (compressor == nullptr) return nullptr;
+  const size_t most = libdeflate_zlib_compress_bound(compressor.get(), size_t(size));
+  unsigned char* const stream = static_cast<unsigned char*>(malloc(most));
+  if (stream != nullptr) *stream_size = int(libdeflate_zlib_compress(compressor.get(), data, size_t(size), stream, most));
+  return stream;
+}
+
+}  // namespace
+
+#define STBIW_ZLIB_COMPRESS zlib_stream
 #define STB_IMAGE_IMPLEMENTATION
 #define STB_IMAGE_STATIC
 #define STBI_FAILURE_USERMSG

@@ -105,7 +105,7 @@ std::vector<shown_polygon> polygons_of_plane(const matrix& m, screen_size size, 
 
 std::vector<shown_polygon> polygons_of(const drawable& item, screen_size size, double band_ratio) {
   if (item.is_polygon) return {{item.corners, item.camera}};
-  return polygons_of_plane(item.ideal, size, band_ratio);
+  return polygons_of_plane(item.plane_matrix, size, band_ratio);
 }
 
 template <profile P>

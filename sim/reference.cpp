@@ -62,9 +62,10 @@ ideal_colour mean_over_pixel(const matrix& m, const texture_view& t, int i, int 
 }
 
 void show_plane(const scene& s, int item, std::vector<int>& shown) {
+  const matrix& m = s.items[size_t(item)].plane_matrix;
   for (int j = 0; j < s.size.height_px; ++j)
     for (int i = 0; i < s.size.width_px; ++i)
-      if (position(s.items[size_t(item)].ideal, i + 0.5, j + 0.5).w > 0) shown[size_t(j) * size_t(s.size.width_px) + size_t(i)] = item;
+      if (position(m, i + 0.5, j + 0.5).w > 0) shown[size_t(j) * size_t(s.size.width_px) + size_t(i)] = item;
 }
 
 void show_polygon(const scene& s, int item, std::vector<int>& shown, std::vector<uint32_t>& depth) {
@@ -113,6 +114,8 @@ ideal_image render_reference(const scene& s, rgba8 background, int threads, cons
   const int width = s.size.width_px, height = s.size.height_px;
   ideal_image out{width, height, std::vector<ideal_colour>(size_t(width) * size_t(height))};
   const std::vector<int> shown = visible_items(s);
+  std::vector<matrix> planes;
+  std::transform(s.items.begin(), s.items.end(), std::back_inserter(planes), ideal_of);
   for_each_index(height, threads, [&](int j) {
     for (int i = 0; i < width; ++i) {
       const size_t at = size_t(j) * size_t(width) + size_t(i);
@@ -120,8 +123,8 @@ ideal_image render_reference(const scene& s, rgba8 background, int threads, cons
         out.pixels[at] = to_ideal(background);
         continue;
       }
-      const drawable& item = s.items[size_t(shown[at])];
-      out.pixels[at] = mean_over_pixel(item.ideal, s.texture(item), i, j);
+      const size_t item = size_t(shown[at]);
+      out.pixels[at] = mean_over_pixel(planes[item], s.texture(s.items[item]), i, j);
     }
     if (rows_done) rows_done(1);
   });

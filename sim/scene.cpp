@@ -4,6 +4,7 @@
 #include <math.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <utility>
 
@@ -25,10 +26,11 @@ matrix matrix_of(const plane& p) {
 
 }  // namespace
 
-int32_t to_fixed(double x, int fraction_bits) {
-  const double scaled = x * double(int64_t(1) << fraction_bits);
-  if (!(fabs(scaled) < 2147483647.0)) throw input_error("scene: number too large for the engine: " + std::to_string(x));
-  return int32_t(lround(scaled));
+void refuse_as_too_large(double x) { throw input_error("scene: number too large for the engine: " + std::to_string(x)); }
+
+matrix ideal_of(const drawable& item) {
+  if (!item.is_polygon) return item.plane_matrix;
+  return matrix_of(item.corners.data(), int(item.corners.size()), item.camera).value_or(matrix_of(item.shape.map));
 }
 
 lens make_lens(screen_size size, double vertical_angle, double near_z) {
@@ -39,7 +41,11 @@ lens make_lens(screen_size size, double vertical_angle, double near_z) {
 }
 
 void add_polygon(scene& s, const lens& view, const vertex* vertices, int count, int map_index) {
-  const std::vector<rgba8> colours(size_t(count), white);
+  static constexpr auto colours = [] {
+    std::array<rgba8, max_polygon_vertices> all{};
+    all.fill(white);
+    return all;
+  }();
   add_polygon(s, view, vertices, colours.data(), count, map_index);
 }
 
@@ -48,16 +54,16 @@ void add_polygon(scene& s, const lens& view, const vertex* vertices, const rgba8
     ++s.polygons_outside;
     return;
   }
-  drawable item{true, {}, {}, map_index, std::vector<vertex>(vertices, vertices + count), view.camera};
+  drawable& item = s.items.emplace_back(drawable{true, {}, map_index, {}, view.camera});
   const status made = make_polygon(vertices, colours, count, view.camera, view.clip, item.shape, item.colours);
-  if (made == status::degenerate) return;
-  if (made != status::ok) throw input_error(s.name + ": polygon: " + to_string(made));
-  item.ideal = matrix_of(vertices, count, view.camera).value_or(matrix_of(item.shape.map));
-  s.items.push_back(item);
+  if (made == status::ok) item.corners.assign(vertices, vertices + count);
+  else s.items.pop_back();
+  if (made != status::ok && made != status::degenerate) throw input_error(s.name + ": polygon: " + to_string(made));
 }
 
 void add_plane(scene& s, const matrix& m, int map_index) {
-  drawable item{false, {}, m, map_index};
+  drawable item{false, {}, map_index};
+  item.plane_matrix = m;
   const status made = make_plane(to_homography(m), {0, 0, s.size.width_px, s.size.height_px}, item.shape.map);
   if (made == status::degenerate) return;
   if (made != status::ok) throw input_error(s.name + ": plane: " + to_string(made));
@@ -65,7 +71,8 @@ void add_plane(scene& s, const matrix& m, int map_index) {
 }
 
 void add_plane(scene& s, const kt88_plane& q, const view& v, int map_index) {
-  drawable item{false, {}, matrix_of(q, v), map_index};
+  drawable item{false, {}, map_index};
+  item.plane_matrix = matrix_of(q, v);
   const status made = make_plane(q, v, item.shape.map);
   if (made != status::ok) throw input_error(s.name + ": plane: " + to_string(made));
   s.items.push_back(item);

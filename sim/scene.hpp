@@ -2,6 +2,7 @@
 // Scenes: what is drawn, ready for the engine. Maps are owned; items hold the integer set-up that the engine draws and the same
 // plane in double precision for the reference.
 #pragma once
+#include <math.h>
 #include <stdint.h>
 
 #include <memory>
@@ -21,12 +22,15 @@ struct screen_size { int width_px, height_px; };
 struct drawable {
   bool is_polygon;   // `shape` with coverage and depth; otherwise the plane shape.map over the whole screen
   polygon shape;
-  matrix ideal;
   int map_index;
   std::vector<vertex> corners{};  // of a polygon, as it was given, and its lens
   projection camera{};
+  matrix plane_matrix{};          // of a plane, as it was given
   colour_forms colours{{}, white, 0};  // of a polygon's vertices
 };
+
+// The surface's plane in double precision. A polygon's is found anew by each call.
+matrix ideal_of(const drawable& item);
 
 using map_list = std::vector<texture_map>;
 
@@ -66,6 +70,15 @@ void nearest_first(scene& s);
 struct overdraw { uint64_t pixels_tested = 0, pixels_shown = 0; };
 overdraw overdraw_of(const scene& s);
 
-int32_t to_fixed(double x, int fraction_bits = 16);  // rounded; throws input_error beyond 32 bits
+[[noreturn]] void refuse_as_too_large(double x);
+
+// Rounded, halves away from zero; throws input_error beyond 32 bits.
+inline int32_t to_fixed(double x, int fraction_bits = 16) {
+  const double scaled = x * double(int64_t(1) << fraction_bits);
+  if (!(fabs(scaled) < 2147483647.0)) refuse_as_too_large(x);
+  const int32_t whole = int32_t(scaled);
+  const double rest = scaled - whole;  // exact
+  return whole + (rest >= 0.5) - (rest <= -0.5);
+}
 
 }  // namespace spantex::sim

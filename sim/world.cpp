@@ -34,7 +34,71 @@ frame looking(const vector3d& eye, const vector3d& forward) {
 
 vector3d direction(double yaw, double pitch) { return {sin(yaw) * cos(pitch), sin(pitch), cos(yaw) * cos(pitch)}; }
 
-// The least distance from the centre at which every corner is in the picture, whatever the yaw: so a turntable does not pulsate.
+frame stand(const world& w, const camera_options& c, screen_size size) {
+  vector3d eye, target = w.centre;
+  if (c.eye && c.target) {
+    eye = *c.eye;
+    target = *c.target;
+  } else {
+    const double distance = c.distance > 0 ? c.distance : c.distance_radii > 0 ? c.distance_radii * w.radius : framing_distance(w, c, size);
+    eye = target + direction(radians(c.yaw_degrees), radians(c.pitch_degrees)) * distance;
+  }
+  if (!(length(target - eye) > 0)) throw input_error(w.name + ": camera stands at its own target");
+  return looking(eye, unit(target - eye));
+}
+
+vertex to_vertex(const world_vertex& p, const frame& f, double scale) {
+  const vector3d r = (p.position - f.eye) * scale;
+  return {to_fixed(dot(r, f.right)), to_fixed(dot(r, f.down)), to_fixed(dot(r, f.forward)), to_fixed(p.u), to_fixed(p.v)};
+}
+
+// Depth of the nearest corner, or one below `least_wanted`.
+double nearest_depth(const world& w, const frame& f, double least_wanted) {
+  const double rounding = 1e-9 * w.radius;
+  double least = INFINITY;
+  for (const world_face& face : w.faces) {
+    if (dot(face.bound.centre - f.eye, f.forward) - face.bound.radius > least + rounding) continue;
+    for (const world_vertex& p : face.corners) least = std::min(least, dot(p.position - f.eye, f.forward));
+    if (least < least_wanted) break;
+  }
+  return least;
+}
+
+ball bound_of(const std::vector<world_vertex>& corners) {
+  ball b{corners[0].position, 0};
+  for (size_t k = 1; k < corners.size(); ++k) b.centre = b.centre + (corners[k].position - b.centre) * (1.0 / double(k + 1));
+  for (const world_vertex& c : corners) b.radius = std::max(b.radius, length(c.position - b.centre));
+  return b;
+}
+
+// Sides of the picture, and the near plane, from outside. What lies beyond one of them is_outside(), however its corners are rounded.
+class picture_sides {
+ public:
+  picture_sides(const lens& view, const frame& f, double scale) : eye_(f.eye) {
+    constexpr double rounding = 1.0 / 16384;  // corners by 2^-17 along each axis, what is projected by 2^-16 pixels times depth, half a pixel or more from the axis
+    const auto real = [](int32_t fixed) { return fixed / 65536.0; };
+    const auto add = [&](const vector3d& outwards, double distance) { sides_.push_back({outwards, (distance + rounding) / scale}); };
+    const auto add_pair = [&](const vector3d& axis, double focal, double middle, int32_t low, int32_t high) {
+      add(unit(axis * -focal + f.forward * (low - middle)), 0);
+      add(unit(axis * focal + f.forward * (middle - high)), 0);
+    };
+    add(f.forward * -1, -real(view.camera.near_z));
+    add_pair(f.right, real(view.camera.focal_x), real(view.camera.centre_x), view.clip.x0, view.clip.x1);
+    add_pair(f.down, real(view.camera.focal_y), real(view.camera.centre_y), view.clip.y0, view.clip.y1);
+  }
+  bool leave_out(const ball& b) const {
+    const vector3d r = b.centre - eye_;
+    return std::any_of(sides_.begin(), sides_.end(), [&](const side& s) { return dot(s.outwards, r) - b.radius > s.distance; });
+  }
+
+ private:
+  struct side { vector3d outwards; double distance; };  // of length 1; from the eye, world units
+  vector3d eye_;
+  std::vector<side> sides_;
+};
+
+}  // namespace
+
 double framing_distance(const world& w, const camera_options& c, screen_size size) {
   constexpr int yaw_steps = 32;
   constexpr double margin = 1.04;
@@ -52,34 +116,6 @@ double framing_distance(const world& w, const camera_options& c, screen_size siz
   return distance;
 }
 
-frame stand(const world& w, const camera_options& c, screen_size size) {
-  vector3d eye, target = w.centre;
-  if (c.eye && c.target) {
-    eye = *c.eye;
-    target = *c.target;
-  } else {
-    const double distance = c.distance_radii > 0 ? c.distance_radii * w.radius : framing_distance(w, c, size);
-    eye = target + direction(radians(c.yaw_degrees), radians(c.pitch_degrees)) * distance;
-  }
-  if (!(length(target - eye) > 0)) throw input_error(w.name + ": camera stands at its own target");
-  return looking(eye, unit(target - eye));
-}
-
-vertex to_vertex(const world_vertex& p, const frame& f, double scale) {
-  const vector3d r = (p.position - f.eye) * scale;
-  return {to_fixed(dot(r, f.right)), to_fixed(dot(r, f.down)), to_fixed(dot(r, f.forward)), to_fixed(p.u), to_fixed(p.v)};
-}
-
-// Depth of the nearest corner; negative if it is behind the camera.
-double nearest_depth(const world& w, const frame& f) {
-  double least = INFINITY;
-  for (const world_face& face : w.faces)
-    for (const world_vertex& p : face.corners) least = std::min(least, dot(p.position - f.eye, f.forward));
-  return least;
-}
-
-}  // namespace
-
 void world::measure() {
   vector3d low{INFINITY, INFINITY, INFINITY}, high{-INFINITY, -INFINITY, -INFINITY};
   for (const world_face& f : faces)
@@ -90,8 +126,10 @@ void world::measure() {
       }
   centre = (low + high) * 0.5;
   radius = 0;
-  for (const world_face& f : faces)
+  for (world_face& f : faces) {
+    f.bound = bound_of(f.corners);
     for (const world_vertex& c : f.corners) radius = std::max(radius, length(c.position - centre));
+  }
 }
 
 bool world::has_area() const {
@@ -110,12 +148,18 @@ scene look_at(const world& w, const camera_options& camera, screen_size size) {
   const frame f = stand(w, camera, size);
   const double scale = engine_radius / w.radius, distance = length(w.centre - f.eye) / w.radius;
   if (distance > farthest_radii - 1) throw input_error(w.name + ": camera is more than 99 radii away from the model's centre");
-  const double near_z = std::max(0.99 * nearest_depth(w, f) / w.radius, nearest_radii) * engine_radius;
+  constexpr double part_of_nearest = 0.99;
+  const double near_z = std::max(part_of_nearest * nearest_depth(w, f, nearest_radii * w.radius) / w.radius, nearest_radii) * engine_radius;
   lens view = make_lens(size, radians(camera.vertical_degrees), near_z);
   view.skips_outside = camera.skips_outside;
+  const picture_sides sides(view, f, scale);
   std::vector<vertex> corners;
   s.items.reserve(w.faces.size());
   for (const world_face& face : w.faces) {
+    if (view.skips_outside && sides.leave_out(face.bound)) {
+      ++s.polygons_outside;
+      continue;
+    }
     corners.clear();
     for (const world_vertex& c : face.corners) corners.push_back(to_vertex(c, f, scale));
     add_polygon(s, view, corners.data(), int(corners.size()), face.map_index);

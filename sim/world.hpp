@@ -18,9 +18,12 @@ struct world_vertex {
   double u, v;  // texels of level 0
 };
 
+struct ball { vector3d centre; double radius; };
+
 struct world_face {
   std::vector<world_vertex> corners;  // 3..8, convex, planar
   int map_index;
+  ball bound{};                       // holds every corner
 };
 
 struct world {
@@ -30,7 +33,7 @@ struct world {
   vector3d centre{};
   double radius = 0;  // of the sphere about the centre that holds every corner
 
-  void measure();     // sets centre (of the bounding box) and radius
+  void measure();     // sets centre (of the bounding box) and radius, and the faces' bounds
   bool has_area() const;  // any face larger than the engine's smallest square; after measure()
 };
 
@@ -38,13 +41,17 @@ struct viewpoint { vector3d eye, target; };  // world units
 
 struct camera_options {
   double yaw_degrees = 30, pitch_degrees = 20;  // where the camera stands: about the y axis from +z, and above the centre
-  double distance_radii = 0;                    // from the centre, in radii; 0: so that the whole sphere is in the picture
+  double distance_radii = 0;                    // from the centre, in radii; 0: framing_distance()
+  double distance = 0;                          // the same in world units, if not 0
   std::optional<vector3d> eye, target;          // in world units; both together replace the three above
   bool skips_outside = true;                    // lens
   double vertical_degrees = 40;                 // angle of view of the picture's height, 10..150
 };
 
-// Throws input_error: a camera too far away or at its own target.
+// Where the camera stands for every corner to be in the picture, whatever the yaw, so that a turntable does not pulsate: from the centre, in world units.
+double framing_distance(const world& w, const camera_options& camera, screen_size size);
+
+// `w` as it was measured. Throws input_error: a camera too far away or at its own target.
 scene look_at(const world& w, const camera_options& camera, screen_size size);
 
 }  // namespace spantex::sim

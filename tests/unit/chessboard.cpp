@@ -32,7 +32,7 @@ scene board(screen_size size, double turn_degrees) {
 
 ideal_image convolved(const scene& s, screen_kernel kernel, int samples, kernel_plane on = kernel_plane::screen) {
   const auto map = [](double u, double v) { return chessboard_at(u, v, chessboard_texels); };
-  return filter_on_screen(s.items[0].ideal, s.size, map, kernel, on, samples, background, hardware_threads());
+  return filter_on_screen(s.items[0].plane_matrix, s.size, map, kernel, on, samples, background, hardware_threads());
 }
 
 image on_map(const scene& s, filter kind, profile_choice p) {

@@ -324,7 +324,7 @@ SPANTEX_CASE(a_floor_to_the_horizon_is_drawn_in_bands) {
   uint64_t visible = 0;
   for (int j = 0; j < 240; ++j)
     for (int i = 0; i < 320; ++i) {
-      const ideal_position p = position(s.items[0].ideal, i + 0.5, j + 0.5);
+      const ideal_position p = position(s.items[0].plane_matrix, i + 0.5, j + 0.5);
       if (!(p.w > 0)) continue;
       ++visible;
       // The host's limit falls in steps of 1.25.

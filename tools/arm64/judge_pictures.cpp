@@ -39,7 +39,7 @@ void write_task(const sim::scene& s, const char* file) {
   const auto bytes = [&](const void* from, size_t count) { out.write(static_cast<const char*>(from), std::streamsize(count)); };
   const sim::texture_map& map = s.map_of(s.items[0]);
   task_header header{s.size.width_px, s.size.height_px, map.level_count(), 0, {}};
-  std::copy(s.items[0].ideal.begin(), s.items[0].ideal.end(), header.matrix);
+  std::copy(s.items[0].plane_matrix.begin(), s.items[0].plane_matrix.end(), header.matrix);
   bytes(&header, sizeof header);
   for (int k = 0; k < map.level_count(); ++k) {
     const sim::image& level = map.level(k);

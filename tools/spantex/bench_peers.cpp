@@ -74,7 +74,7 @@ bool peers_can_draw(const sim::scene& s) {
   if (t.wrap_u() != wrap::repeat || t.wrap_v() != wrap::repeat) return false;
   for (const int x : {0, s.size.width_px})
     for (const int y : {0, s.size.height_px})
-      if (!(sim::position(s.items[0].ideal, x, y).w > 0)) return false;
+      if (!(sim::position(s.items[0].plane_matrix, x, y).w > 0)) return false;
   return true;
 }
 
@@ -88,7 +88,7 @@ bool prepare_peer(peers::peer& p, const sim::scene& s, filter kind) {
     levels.push_back({reinterpret_cast<const uint8_t*>(level.pixels.data()), level.width_px, level.height_px});
   }
   peers::task task{levels.data(), int(levels.size()), {}, s.size.width_px, s.size.height_px, *sampling};
-  std::copy(s.items[0].ideal.begin(), s.items[0].ideal.end(), task.matrix);
+  std::copy(s.items[0].plane_matrix.begin(), s.items[0].plane_matrix.end(), task.matrix);
   return p.prepare(task);
 }
 

@@ -23,7 +23,7 @@ struct chessboard_options {
 
 sim::ideal_image convolved(const sim::scene& s, rgba8 background, sim::screen_kernel kernel, int samples) {
   const auto board = [](double u, double v) { return sim::chessboard_at(u, v, sim::chessboard_texels); };
-  return sim::filter_on_screen(s.items[0].ideal, s.size, board, kernel, sim::kernel_plane::screen, samples, background, sim::hardware_threads());
+  return sim::filter_on_screen(s.items[0].plane_matrix, s.size, board, kernel, sim::kernel_plane::screen, samples, background, sim::hardware_threads());
 }
 
 void run(const chessboard_options& o) {

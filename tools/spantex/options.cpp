@@ -348,6 +348,7 @@ subject_options::loaded::loaded(const subject_options& o, const drawing_options&
   if (d.wrap_given()) wanted.wrap_u = wanted.wrap_v = request_.wrap_u;
   if (!sim::is_level(name_)) {
     world_ = std::make_shared<const sim::world>(sim::load_model(name_, wanted));
+    if (camera_.distance_radii == 0) camera_.distance = sim::framing_distance(*world_, camera_, request_.size);
     return;
   }
   level_ = std::make_shared<const sim::level>(sim::load_level(name_, o.map, wanted));
