@@ -23,6 +23,7 @@ unsigned char* zlib_stream(const unsigned char* data, int size, int* stream_size
 }  // namespace
 
 #define STBIW_ZLIB_COMPRESS zlib_stream
+#define STBIW_CRC32(data, size) libdeflate_crc32(0, data, size_t(size))
 #define STB_IMAGE_IMPLEMENTATION
 #define STB_IMAGE_STATIC
 #define STBI_FAILURE_USERMSG

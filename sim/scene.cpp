@@ -81,8 +81,8 @@ void add_plane(scene& s, const kt88_plane& q, const view& v, int map_index) {
 void nearest_first(scene& s) {
   const auto nearest = [](const drawable& d) {
     int32_t least = INT32_MAX;
-    for (const vertex& v : d.corners) least = std::min(least, std::max(v.z, d.camera.near_z));
-    return least;
+    for (const vertex& v : d.corners) least = std::min(least, v.z);
+    return std::max(least, d.camera.near_z);
   };
   std::vector<std::pair<int32_t, size_t>> order;
   for (size_t k = 0; k < s.items.size(); ++k) order.emplace_back(nearest(s.items[k]), k);

@@ -4,6 +4,10 @@
 #include <math.h>
 
 #include <algorithm>
+#include <iterator>
+#include <utility>
+
+#include "parallel.hpp"
 
 namespace spantex::sim {
 namespace {
@@ -47,9 +51,10 @@ frame stand(const world& w, const camera_options& c, screen_size size) {
   return looking(eye, unit(target - eye));
 }
 
+int32_t along(const vector3d& axis, const world_vertex& p, const frame& f, double scale) { return to_fixed(dot((p.position - f.eye) * scale, axis)); }
+
 vertex to_vertex(const world_vertex& p, const frame& f, double scale) {
-  const vector3d r = (p.position - f.eye) * scale;
-  return {to_fixed(dot(r, f.right)), to_fixed(dot(r, f.down)), to_fixed(dot(r, f.forward)), to_fixed(p.u), to_fixed(p.v)};
+  return {along(f.right, p, f, scale), along(f.down, p, f, scale), along(f.forward, p, f, scale), to_fixed(p.u), to_fixed(p.v)};
 }
 
 // Depth of the nearest corner, or one below `least_wanted`.
@@ -97,6 +102,31 @@ class picture_sides {
   std::vector<side> sides_;
 };
 
+// Those that set-up is to see, in the order in which they are drawn.
+std::vector<const world_face*> faces_in_view(const world& w, const lens& view, const frame& f, double scale, bool nearest_first) {
+  const picture_sides sides(view, f, scale);
+  std::vector<const world_face*> faces;
+  for (const world_face& face : w.faces)
+    if (!view.skips_outside || !sides.leave_out(face.bound)) faces.push_back(&face);
+  if (!nearest_first) return faces;
+  std::vector<std::pair<int32_t, const world_face*>> by_depth;
+  for (const world_face* face : faces) {
+    int32_t least = INT32_MAX;
+    for (const world_vertex& p : face->corners) least = std::min(least, along(f.forward, p, f, scale));
+    by_depth.emplace_back(std::max(least, view.camera.near_z), face);
+  }
+  std::sort(by_depth.begin(), by_depth.end());
+  std::transform(by_depth.begin(), by_depth.end(), faces.begin(), [](const auto& entry) { return entry.second; });
+  return faces;
+}
+
+void add_face(scene& s, const lens& view, const world_face& face, const frame& f, double scale) {
+  vertex corners[max_polygon_vertices];
+  int count = 0;
+  for (const world_vertex& c : face.corners) corners[count++] = to_vertex(c, f, scale);
+  add_polygon(s, view, corners, count, face.map_index);
+}
+
 }  // namespace
 
 double framing_distance(const world& w, const camera_options& c, screen_size size) {
@@ -142,7 +172,7 @@ bool world::has_area() const {
   return false;
 }
 
-scene look_at(const world& w, const camera_options& camera, screen_size size) {
+scene look_at(const world& w, const camera_options& camera, screen_size size, const set_up_options& how) {
   scene s{w.name, size, w.maps, {}};
   if (!(w.radius > 0)) return s;
   const frame f = stand(w, camera, size);
@@ -152,18 +182,18 @@ scene look_at(const world& w, const camera_options& camera, screen_size size) {
   const double near_z = std::max(part_of_nearest * nearest_depth(w, f, nearest_radii * w.radius) / w.radius, nearest_radii) * engine_radius;
   lens view = make_lens(size, radians(camera.vertical_degrees), near_z);
   view.skips_outside = camera.skips_outside;
-  const picture_sides sides(view, f, scale);
-  std::vector<vertex> corners;
-  s.items.reserve(w.faces.size());
-  for (const world_face& face : w.faces) {
-    if (view.skips_outside && sides.leave_out(face.bound)) {
-      ++s.polygons_outside;
-      continue;
-    }
-    corners.clear();
-    for (const world_vertex& c : face.corners) corners.push_back(to_vertex(c, f, scale));
-    add_polygon(s, view, corners.data(), int(corners.size()), face.map_index);
-  }
+  const std::vector<const world_face*> faces = faces_in_view(w, view, f, scale, how.nearest_first);
+  const size_t threads = std::clamp(size_t(how.threads), size_t(1), std::max(faces.size(), size_t(1)));
+  std::vector<scene> parts(threads, s);
+  parts[0].items.reserve(faces.size());
+  for_each_index(int(threads), int(threads), [&](int k) {
+    const auto at = [&](int part) { return faces.begin() + std::ptrdiff_t(faces.size() * size_t(part) / threads); };
+    std::for_each(at(k), at(k + 1), [&](const world_face* face) { add_face(parts[size_t(k)], view, *face, f, scale); });
+  });
+  s.items = std::move(parts[0].items);
+  for (size_t k = 1; k < threads; ++k) s.items.insert(s.items.end(), std::move_iterator(parts[k].items.begin()), std::move_iterator(parts[k].items.end()));
+  s.polygons_outside = int(w.faces.size() - faces.size());
+  for (const scene& part : parts) s.polygons_outside += part.polygons_outside;
   return s;
 }
 

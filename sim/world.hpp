@@ -51,7 +51,12 @@ struct camera_options {
 // Where the camera stands for every corner to be in the picture, whatever the yaw, so that a turntable does not pulsate: from the centre, in world units.
 double framing_distance(const world& w, const camera_options& camera, screen_size size);
 
+struct set_up_options {
+  bool nearest_first = false;  // nearest_first(), without moving what is set up
+  int threads = 1;
+};
+
 // `w` as it was measured. Throws input_error: a camera too far away or at its own target.
-scene look_at(const world& w, const camera_options& camera, screen_size size);
+scene look_at(const world& w, const camera_options& camera, screen_size size, const set_up_options& how = {});
 
 }  // namespace spantex::sim

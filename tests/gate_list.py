@@ -10,7 +10,8 @@ OBJECT_SPACE = ["sim/" + name + ".cpp" for name in ("distance_field", "draw_host
                                                     "scene", "trace", "unchanged", "world")] + KERNELS
 MAPS = ["sim/" + name + ".cpp" for name in ("encode", "encode_bc", "encode_etc", "file", "image", "map", "palette", "pattern", "prefilter")] + [f"hal/kernels/{name}.cpp" for name in ("byte_planes", "planar_map", "row_levels")]
 PACKS = MAPS + ["sim/pack.cpp", "sim/inverse_filter.cpp"]
-LEVELS = MAPS + ["sim/" + name + ".cpp" for name in ("archive", "ideal", "level", "model", "scene", "tour", "world")]
+WORLD = MAPS + ["sim/" + name + ".cpp" for name in ("ideal", "scene", "world")]
+LEVELS = WORLD + ["sim/" + name + ".cpp" for name in ("archive", "level", "model", "tour")]
 FIELDS = PACKS + ["sim/distance_field.cpp"]
 LIBRARIES = {"bc": ["-lsquish"], "quake_level": ["-lassimp", "-lzip"]}  # that a suite links
 
@@ -449,6 +450,12 @@ GATES = [
     ("a skip without its switch", F + "draw.hpp", "if (skips_.on(skip::held) && holds(h,", "if (holds(h,", "skips", "what_is*", []),
     ("depth test reversed", F + "visibility.hpp", "if (z <= stored) return false;", "if (z > stored) return false;", "polygon", "the_nearer*", []),
     ("farthest first", "sim/scene.cpp", "std::sort(order.begin(), order.end());", "std::sort(order.rbegin(), order.rend());", "quake_level", "eight_layers*", LEVELS),
+    ("balls taken for smaller", "sim/world.cpp", "dot(s.outwards, r) - b.radius > s.distance", "dot(s.outwards, r) - 0.9 * b.radius > s.distance", "world", "what_is_left_out*", WORLD),
+    ("balls before the near plane left out", "sim/world.cpp", "add(f.forward * -1, -real(view.camera.near_z));", "add(f.forward * -1, -1 - 2 * real(view.camera.near_z));", "world", "what_is_left_out*", WORLD),
+    ("the nearest corner passed over", "sim/world.cpp", "- face.bound.radius > least + rounding", "> least + rounding", "world", "the_near_plane*", WORLD),
+    ("depths unsorted in set-up", "sim/world.cpp", "std::sort(by_depth.begin(), by_depth.end());", "", "world", "order_and_threads*", WORLD),
+    ("half a picture's faces", "sim/world.cpp", "at(k), at(k + 1), [&]", "at(k) + (k > 0), at(k + 1), [&]", "world", "order_and_threads*", WORLD),
+    ("halves rounded towards zero", "sim/scene.hpp", "(rest >= 0.5) -", "(rest > 0.5) -", "world", "numbers*", WORLD),
     ("a level's vertices believed", "sim/level.cpp", "if (index >= count) throw damaged(k);", "if (index >= count) continue;", "quake_level", "damaged*", LEVELS),
     ("walls that do not stop a walk", "sim/tour.cpp", "u + v <= 1 && t >= 0 && t <= 1", "u + v <= 1 && t >= 0 && t <= 0", "quake_level", "a_walk*", LEVELS),
 ] + KERNEL_GATES

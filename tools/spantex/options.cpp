@@ -332,7 +332,7 @@ subject_options::loaded::loaded(const subject_options& o, const drawing_options&
   request_.making = d.making();
   if (o.matrix.empty() && o.subject.empty()) throw input_error("nothing to draw: name a scene or model, or give --matrix");
   o.check_consistent();
-  nearest_first_ = o.order.empty() ? sim::is_level(name_) : o.order != "file";
+  set_up_ = {o.order.empty() ? sim::is_level(name_) : o.order != "file", d.threads};
   if (!o.matrix.empty()) matrix_ = parse_matrix(o.matrix, request_.size);
   if (!o.texture.empty()) {
     sim::map_list maps;
@@ -358,16 +358,11 @@ subject_options::loaded::loaded(const subject_options& o, const drawing_options&
   world_ = std::shared_ptr<const sim::world>(level_, &level_->drawn);
 }
 
-sim::scene subject_options::loaded::ordered(sim::scene s) const {
-  if (nearest_first_ && s.uses_depth()) sim::nearest_first(s);
-  return s;
-}
-
 sim::scene subject_options::loaded::seen_from(const sim::viewpoint& v) const {
   sim::camera_options c = camera_;
   c.eye = v.eye;
   c.target = v.target;
-  return ordered(sim::look_at(*world_, c, request_.size));
+  return sim::look_at(*world_, c, request_.size, set_up_);
 }
 
 sim::scene subject_options::loaded::at(double turn_degrees) const {
@@ -380,11 +375,13 @@ sim::scene subject_options::loaded::at(double turn_degrees) const {
   if (world_) {
     sim::camera_options c = camera_;
     c.yaw_degrees += turn_degrees;
-    return ordered(sim::look_at(*world_, c, request_.size));
+    return sim::look_at(*world_, c, request_.size, set_up_);
   }
   sim::scene_request turned = request_;
   turned.turn_degrees = turn_degrees;
-  return ordered(sim::make_named_scene(name_, turned));
+  sim::scene s = sim::make_named_scene(name_, turned);
+  if (set_up_.nearest_first && s.uses_depth()) sim::nearest_first(s);
+  return s;
 }
 
 }  // namespace spantex::tool

@@ -127,12 +127,11 @@ struct subject_options {
     sim::scene_request request_;
     std::string name_;
     std::optional<sim::matrix> matrix_;
-    sim::scene ordered(sim::scene s) const;
-
     std::shared_ptr<const sim::level> level_;
     std::shared_ptr<const sim::world> world_;  // a model's or the level's
     sim::camera_options camera_;
-    bool walks_ = false, nearest_first_ = false;
+    sim::set_up_options set_up_;
+    bool walks_ = false;
   };
 
  private:
