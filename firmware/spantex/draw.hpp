@@ -49,6 +49,8 @@ template <class T> struct only_if<false, T> { struct type {}; };
 
 }  // namespace detail
 
+// A section that is loaded is used again by whatever reads the same memory: texels of maps that are drawn must stay as they are until finish().
+//
 // Shading: opaque_only, or shading for alpha and vertex colours (shade.hpp). Reads: counted_reads fills in words_read. Skips: skips.hpp.
 template <span_engine Engine, class Prof, class Shading = opaque_only, class Reads = uncounted_reads, class Skips = device_skips>
 class renderer {
@@ -115,8 +117,9 @@ class renderer {
   // Takes what is still computing: what was drawn lies in the frame, which goes on.
   constexpr status flush() { return drain(); }
 
-  // The same at the frame's end, which is marked. Call before the frame is read.
+  // The same at the frame's end, which is marked. Call before the frame is read. Nothing of the maps is remembered: their texels may change now.
   constexpr status finish() {
+    forget();
     SPANTEX_TRY(drain());
     engine_.mark({event_kind::frame_end, 0});
     return status::ok;
@@ -246,6 +249,13 @@ class renderer {
     for (const pending_job& job : pending_)
       if (job.shade.stores_depth() && job.mask != 0 && job.sx == sx && job.sy == sy) return drain();
     return status::ok;
+  }
+
+  constexpr void forget() {
+    for (auto& of_half : held_)
+      for (loaded_section& held : of_half) held.valid = false;
+    if constexpr (Skips::may(skip::uniform) || Skips::may(skip::one_texel))
+      for (coloured_section& seen : seen_.of) seen.valid = false;
   }
 
   // A half whose operation failed is empty (hal/engine.hpp): nothing of it may be used or waited for again.
@@ -397,10 +407,10 @@ class renderer {
   // The colour of a section that has one. The last such box is remembered: boxes inside it are not read again.
   constexpr bool section_colour(const texture_view& t, const section& at, const texel_box& box, bool coarse, rgba8& colour) {
     coloured_section& seen = seen_[coarse];
-    if (!(seen.valid && seen.level == at.level && seen.map == t.id() && contains(seen.box, box))) {
+    if (!(seen.valid && seen.level == at.level && seen.map == t.id(at.level) && contains(seen.box, box))) {
       if (!one_colour(texels_of(t, at.level), at.level, box, colour)) return false;
       if constexpr (Reads::counted) counters_.words_read += is_one_texel(at, box) || t.facts().uniform(at.level) ? 1 : section_reads(prof_, t, at, box, coarse);
-      seen = {t.id(), box, colour, at.level, true};
+      seen = {t.id(at.level), box, colour, at.level, true};
     }
     colour = seen.colour;
     return true;
@@ -459,7 +469,7 @@ class renderer {
 
   constexpr bool holds(half h, const texture_view& t, const section& at, const texel_box& box, bool coarse) const {
     const loaded_section& held = held_[int(h)][coarse];
-    return held.valid && held.at.level == at.level && held.map == t.id() && contains(held.box, box);
+    return held.valid && held.at.level == at.level && held.map == t.id(at.level) && contains(held.box, box);
   }
 
   // Loads a section unless the half holds it already. A held section serves every box inside it: a box that had
@@ -475,7 +485,7 @@ class renderer {
     held.valid = false;
     SPANTEX_TRY(send(h, t, at, box, coarse));
     if constexpr (Reads::counted) counters_.words_read += section_reads(prof_, t, at, box, coarse);
-    held = {t.id(), at, box, true};
+    held = {t.id(at.level), at, box, true};
     return status::ok;
   }
 

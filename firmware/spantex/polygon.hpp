@@ -21,7 +21,7 @@ struct vertex {
 // A position of the map, s15.16 texels of level 0.
 struct texel_point { int32_t u, v; };
 
-// Where the camera's rays meet the screen: screen = focal * (x, y) / z + centre. Pixels, s15.16.
+// Where the camera's rays meet the screen: screen = focal * (x, y) / z + centre. Pixels, s15.16, any number.
 struct projection {
   int32_t focal_x, focal_y;
   int32_t centre_x, centre_y;
@@ -34,9 +34,10 @@ inline constexpr int max_polygon_vertices = 8;
 struct homogeneous_point { int64_t x, y, z; };
 inline constexpr uint64_t max_homogeneous = uint64_t(1) << 44;
 
-constexpr homogeneous_point project(const vertex& p, const projection& c) {
-  const auto axis = [&](int32_t x, int32_t focal, int32_t centre) {
-    return shift_right(int64_t(x) * focal + int64_t(p.z) * centre, 16);
+// What would be 2^63 is -2^63: beyond the range as well.
+SPANTEX_WRAPS constexpr homogeneous_point project(const vertex& p, const projection& c) {
+  const auto axis = [&](int32_t x, int32_t focal, int32_t centre) SPANTEX_WRAPS {
+    return shift_right(int64_t(uint64_t(int64_t(x) * focal) + uint64_t(int64_t(p.z) * centre)), 16);
   };
   return {axis(p.x, c.focal_x, c.centre_x), axis(p.y, c.focal_y, c.centre_y), p.z};
 }
@@ -129,7 +130,7 @@ constexpr int32_t snapped(int64_t x, int64_t z) {
 // What set-up leaves for drawing one polygon.
 struct polygon {
   plane map;           // u, v, W
-  linear_form depth;   // near/z as u0.31 with depth_guard_bits more, on the plane's origin: larger is nearer
+  linear_form depth;   // near/z as u0.31 with depth_guard_bits more, on the plane's origin: larger is nearer. |x|, |y| < 2^57; modulo 2^64, which pixels of the polygon never reach
   edge_set edges;
   rectangle box;       // pixels that may be covered, within the clip rectangle
   bool front_facing;   // clockwise on the screen
@@ -173,7 +174,9 @@ SPANTEX_FRAME_APART constexpr status make_edges(polygon& out) {
   return status::ok;
 }
 
-// The plane's W, scaled to depth. W = 2 W' / 2^drop.
+inline constexpr int depth_gradient_bits = 57;  // so that what a span reaches beyond a pixel of the polygon stays within 2^62
+
+// The plane's W, scaled to depth. W = 2 W' / 2^drop. A polygon so nearly edge-on that the place of its edges, 2^-8 pixels, leaves all depths open has that of its origin everywhere.
 SPANTEX_FRAME_APART constexpr void set_depth(const plane& p, const wide& determinant, int drop, int32_t near_z, linear_form& out) {
   // W' = 2^16 det / z, so near / z * 2^31 = W' near 2^15 / |det| = W 2^(drop - 1) near 2^15 / |det|
   const wide d = magnitude(determinant);
@@ -182,9 +185,13 @@ SPANTEX_FRAME_APART constexpr void set_depth(const plane& p, const wide& determi
   const uint64_t k = uint64_t(reciprocal_wide(mantissa)) * uint64_t(uint32_t(near_z));   // 2^63 near / mantissa
   const int down = 63 + shift - (drop - 1) - 15 - depth_guard_bits;
   const auto scaled = [k, down](int64_t x) { return narrowed(multiply(x, int64_t(k)), down); };
-  out.x = scaled(p.w.x);
-  out.y = scaled(p.w.y);
+  constexpr int depth_bits = 31 + depth_guard_bits;
+  const int gain = bit_length(k) - down;
+  const bool steep = bit_length(magnitude(p.w.x) | magnitude(p.w.y)) + gain > depth_gradient_bits;
+  out.x = steep ? 0 : scaled(p.w.x);
+  out.y = steep ? 0 : scaled(p.w.y);
   out.c = scaled(p.w.c);
+  if (steep && bit_length(magnitude(p.w.c)) + gain > depth_bits) out.c = p.w.c > 0 ? int64_t(1) << depth_bits : 0;
 }
 
 // What vertex attributes other than u and v are interpolated with (shade.hpp).
@@ -318,8 +325,8 @@ constexpr status make_polygon(const vertex* vertices, int count, const projectio
 namespace detail {
 
 // dx, dy half pixels from the form's origin.
-constexpr uint32_t depth_of(const linear_form& depth, int32_t dx, int32_t dy) {
-  const int64_t d = (depth.c + depth.x * dx + depth.y * dy) >> depth_guard_bits;
+SPANTEX_WRAPS constexpr uint32_t depth_of(const linear_form& depth, int32_t dx, int32_t dy) {
+  const int64_t d = int64_t(uint64_t(depth.c) + uint64_t(depth.x) * uint64_t(dx) + uint64_t(depth.y) * uint64_t(dy)) >> depth_guard_bits;
   return uint32_t(clamp_to(d, int64_t(1), int64_t(1) << 31));
 }
 

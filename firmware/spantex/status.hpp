@@ -12,7 +12,7 @@ enum class [[nodiscard]] status : uint8_t {
   bad_pointer,      // a null pointer where texels or pixels are needed
   bad_alignment,    // texels at an address that their format does not allow
   out_of_memory,    // more than the caller's memory holds
-  bad_levels,       // mip levels whose sizes do not follow floor(size / 2^L)
+  bad_levels,       // mip levels: none, more than the size has, or of sizes that a call does not take
   out_of_range,     // a number outside its documented range
   degenerate,       // nothing to draw: edge-on plane, zero area, singular set-up
   // what an engine reports
@@ -42,7 +42,7 @@ constexpr const char* to_string(status s) {
     case status::bad_pointer: return "null pointer";
     case status::bad_alignment: return "texels at an odd address";
     case status::out_of_memory: return "out of texture memory";
-    case status::bad_levels: return "mip level sizes are not floor(size / 2^L)";
+    case status::bad_levels: return "mip levels of a number or of sizes that are not taken";
     case status::out_of_range: return "number out of range";
     case status::degenerate: return "degenerate: nothing to draw";
     case status::half_busy: return "half is busy";

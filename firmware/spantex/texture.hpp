@@ -135,7 +135,7 @@ class texture_view {
   constexpr const texture_facts& facts() const { return facts_; }
   constexpr void set_facts(const texture_facts& facts) { facts_ = facts; }  // of the caller's care: a fact that does not hold is drawn
 
-  // What tells two maps apart, for reuse of what is loaded: the same texels, wrapped in the same way.
+  // What tells levels of maps apart, for reuse of what is loaded: the same memory, read and wrapped in the same way. Not what lies there: renderer (draw.hpp).
   struct identity {
     const void* texels = nullptr;
     int32_t width = 0, height = 0;
@@ -144,10 +144,10 @@ class texture_view {
     const rgba8* palette = nullptr;
     friend constexpr bool operator==(const identity&, const identity&) = default;
   };
-  constexpr identity id() const {
-    const void* const texels = format_ == texel_format::rgba8888 ? static_cast<const void*>(levels_[0].colours)
-                               : is_16_bit(format_)              ? static_cast<const void*>(levels_[0].numbers)
-                                                                 : levels_[0].bytes;
+  constexpr identity id(int level) const {
+    const void* const texels = format_ == texel_format::rgba8888 ? static_cast<const void*>(levels_[level].colours)
+                               : is_16_bit(format_)              ? static_cast<const void*>(levels_[level].numbers)
+                                                                 : levels_[level].bytes;
     return {texels, width_, height_, wrap_u_, wrap_v_, format_, palette_};
   }
 

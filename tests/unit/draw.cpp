@@ -181,6 +181,43 @@ SPANTEX_CASE(a_map_that_changes_between_draws_is_loaded_anew) {
     for (int32_t x = 0; x < 64; ++x) assert_true(shown.pixels[size_t(y * 64 + x)].r == (y < 32 ? 255 : 0));
 }
 
+// Coarse levels may differ where the finest one is shared; texels may change once a picture is finished.
+SPANTEX_CASE(what_is_loaded_is_used_again_of_the_same_texels_only) {
+  static rgba8 finest[64 * 64], red[32 * 32], blue[32 * 32];
+  for (rgba8& c : red) c = {255, 0, 0, 255};
+  for (rgba8& c : blue) c = {0, 0, 255, 255};
+  const auto view_of = [](const rgba8* coarse) {
+    const rgba8* const levels[] = {finest, coarse};
+    texture_view t;
+    SPANTEX_ASSERT_OK(texture_view::make(levels, 2, 64, 64, wrap::repeat, wrap::repeat, t));
+    return t;
+  };
+  const double minified[9] = {4, 0, 0, 0, 4, 0, 0, 0, 1};
+  plane p{};
+  SPANTEX_ASSERT_OK(make_plane(homography_of(minified), {0, 0, 8, 8}, p));
+  shown.reset(8, 8);
+  engine_type engine;
+  using fills_uniform = renderer<engine_type, std::remove_const_t<decltype(prof)>, opaque_only, uncounted_reads, fixed_skips<default_skips | only(skip::uniform)>>;
+  const auto draw_all = [&](auto&& r) {
+    const auto draws = [&](const rgba8* coarse, const rgba8& colour) {
+      for (int in_both_halves = 0; in_both_halves < 2; ++in_both_halves) {
+        SPANTEX_ASSERT_OK(r.draw(p, view_of(coarse), filter::mip_bilinear, {0, 0, 8, 8}));
+        SPANTEX_ASSERT_OK(r.flush());
+        for (const rgba8& c : shown.pixels) assert_true(c == colour);
+      }
+    };
+    draws(red, {255, 0, 0, 255});
+    draws(blue, {0, 0, 255, 255});
+    SPANTEX_ASSERT_OK(r.finish());
+    for (rgba8& c : blue) c = {0, 255, 0, 255};
+    draws(blue, {0, 255, 0, 255});
+    for (rgba8& c : blue) c = {0, 0, 255, 255};
+    SPANTEX_ASSERT_OK(r.finish());
+  };
+  draw_all(renderer_type(engine, prof, shown.frame()));
+  draw_all(fills_uniform(engine, prof, shown.frame()));
+}
+
 // --- errors ---------------------------------------------------------------------------------------------------
 
 namespace {
@@ -238,6 +275,7 @@ int main() {
       cmocka_unit_test(hidden_spans_are_skipped_and_counted),
       cmocka_unit_test(spans_are_counted_once_each_way),
       cmocka_unit_test(a_section_that_is_held_is_not_loaded_again),
+      cmocka_unit_test(what_is_loaded_is_used_again_of_the_same_texels_only),
       cmocka_unit_test(a_map_that_changes_between_draws_is_loaded_anew),
       cmocka_unit_test(every_failing_operation_is_reported),
   };

@@ -49,7 +49,7 @@ SPANTEX_CASE(an_uploaded_map_is_a_copy_that_takes_whole_words) {
           assert_true(second.texel(level, x, y) == before.texel(level, x, y));
         }
     assert_true(first.wrap_u() == wrap::repeat && first.wrap_v() == wrap::clamp && first.format() == f);
-    assert_false(first.id() == second.id());
+    assert_false(first.id(0) == second.id(0));
     memory.reset();
     assert_int_equal(memory.words_used(), 0);
     assert_int_equal(memory.words_moved(), 2 * expected);

@@ -64,7 +64,7 @@ static void check_picture(const homography& m, const texture_view& t, filter kin
 
 static void check_maps(wrap across, wrap down, uint64_t seed) {
   random_source random(seed);
-  static constexpr int32_t sizes[][3] = {{64, 64, 7}, {32, 128, 6}, {48, 80, 5}, {20, 12, 3}, {7, 5, 1}, {1, 1, 1}, {256, 2, 2}, {64, 48, 5}, {48, 64, 5}};
+  static constexpr int32_t sizes[][3] = {{64, 64, 7}, {32, 128, 8}, {48, 80, 5}, {20, 12, 3}, {7, 5, 1}, {1, 1, 1}, {256, 2, 9}, {64, 48, 7}, {48, 64, 5}};
   for (int n = 0; n < (short_run() ? 9 : 36); ++n) {
     const auto& size = sizes[n % 9];
     const texture_view& t = make_small_map(size[0], size[1], size[2], across, down, random).view;
@@ -98,6 +98,19 @@ SPANTEX_CASE(planes_to_the_horizon_are_drawn_in_front_of_it_only) {
         assert_int_equal(rows::find_block(p, x, y, -1, at), p.w_at(2 * x + 1, 2 * y + 1) > 0);
       }
   }
+}
+
+// A side of one texel stays one on the levels above.
+SPANTEX_CASE(the_coarsest_levels_of_maps_that_are_not_square_are_drawn) {
+  random_source random(7);
+  const int64_t one = 1 << 16;
+  static constexpr int32_t sizes[][3] = {{64, 32, 7}, {4, 64, 7}, {128, 1, 8}, {96, 32, 6}, {24, 16, 5}};
+  for (wrap mode : {wrap::repeat, wrap::clamp, wrap::mirror})
+    for (const auto& size : sizes) {
+      const texture_view& t = make_small_map(size[0], size[1], size[2], mode, random).view;
+      for (const int64_t texels_a_pixel : {7, 14, 29, 60, 130})
+        for (filter kind : app::row_filters) check_picture({texels_a_pixel * one, one / 8, 3 * one, one / 8, texels_a_pixel * one, -one, 0, 0, one}, t, kind, {0, 0, width, height});
+    }
 }
 
 // Up to the range's end and beyond it.
@@ -480,6 +493,7 @@ int main() {
       cmocka_unit_test(kernels_draw_what_the_specification_says_repeat_across),
       cmocka_unit_test(kernels_draw_what_the_specification_says_repeat_down),
       cmocka_unit_test(planes_to_the_horizon_are_drawn_in_front_of_it_only),
+      cmocka_unit_test(the_coarsest_levels_of_maps_that_are_not_square_are_drawn),
       cmocka_unit_test(planes_far_from_the_origin_are_drawn),
       cmocka_unit_test(polygons_cover_the_pixels_of_their_masks),
       cmocka_unit_test(at_least_99_percent_of_the_texels_are_those_of_exact_arithmetic),

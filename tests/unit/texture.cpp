@@ -95,10 +95,10 @@ SPANTEX_CASE(each_axis_wraps_in_its_own_mode_by_the_size_of_the_level) {
 SPANTEX_CASE(views_are_the_same_only_if_nothing_differs) {
   const synthetic_map &m = photographic_map(16, 16), &n = photographic_map(16, 16, 2);
   const texture_view t = m.view(wrap::repeat, wrap::repeat);
-  assert_true(t.id() == m.view(wrap::repeat, wrap::repeat).id());
-  assert_false(t.id() == m.view(wrap::mirror, wrap::repeat).id());
-  assert_false(t.id() == m.view(wrap::repeat, wrap::clamp).id());
-  assert_false(t.id() == n.view(wrap::repeat, wrap::repeat).id());
+  assert_true(t.id(0) == m.view(wrap::repeat, wrap::repeat).id(0));
+  assert_false(t.id(0) == m.view(wrap::mirror, wrap::repeat).id(0));
+  assert_false(t.id(0) == m.view(wrap::repeat, wrap::clamp).id(0));
+  assert_false(t.id(0) == n.view(wrap::repeat, wrap::repeat).id(0));
 }
 
 int main() {

@@ -152,6 +152,33 @@ SPANTEX_CASE(depths_of_a_span_lie_between_its_corners) {
   }
 }
 
+// Nearly edge-on, beyond what 64 bits of depth hold: what a span may be taken for from its corners must hold for the pixels that are drawn.
+SPANTEX_CASE(slivers_are_hidden_by_nothing_but_nearer_pixels) {
+  random_source random(4);
+  int slivers = 0, flat = 0;
+  for (int n = 0; n < 200000; ++n) {
+    const auto any = [&](int most) { return int32_t(random.between(-(int64_t(1) << random.between(0, most)), int64_t(1) << random.between(0, most))); };
+    const projection eye{any(30), any(30), width * one / 2, height * one / 2, int32_t(random.between(1, int64_t(1) << random.between(1, 30)))};
+    const vertex a{any(28), any(28), any(28), 0, 0}, b{any(28), any(28), any(28), 0, 0};
+    const vertex along{a.x + (b.x - a.x) / 2 + any(4), a.y + (b.y - a.y) / 2 + any(4), a.z + (b.z - a.z) / 2 + any(4), 0, 0};
+    const vertex v[3] = {a, b, along};
+    polygon p{};
+    if (make_polygon(v, 3, eye, {0, 0, width, height}, p) != status::ok) continue;
+    flat += p.depth.x == 0 && p.depth.y == 0;
+    each_span(p, [&](int32_t sx, int32_t sy, span_mask mask) {
+      const depth_range r = depth_range_of(p, sx, sy);
+      for (; mask != 0; mask &= mask - 1) {
+        const int k = __builtin_ctzll(mask);
+        const uint32_t z = depth_at(p, 2 * (sx * 8 + k % 8) + 1, 2 * (sy * 8 + k / 8) + 1);
+        assert_true(r.least <= z && z <= r.most);
+        ++slivers;
+      }
+    });
+  }
+  std::printf("# %d pixels, %d polygons of one depth\n", slivers, flat);
+  assert_true(slivers > 1000 && flat > 10);
+}
+
 }  // namespace
 
 int main() {
@@ -160,6 +187,7 @@ int main() {
       cmocka_unit_test(depths_first_show_what_is_seen_and_nothing_else),
       cmocka_unit_test(no_pixel_of_a_span_is_farther_than_its_floor),
       cmocka_unit_test(depths_of_a_span_lie_between_its_corners),
+      cmocka_unit_test(slivers_are_hidden_by_nothing_but_nearer_pixels),
   };
   return run_suite("visibility", tests);
 }

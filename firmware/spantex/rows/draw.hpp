@@ -409,12 +409,13 @@ class painter {
 
 }  // namespace SPANTEX_ROWS_KERNELS
 
-// What a map must be. Errors: out_of_range (its format, a filter that rows do not have), bad_levels (sides that do not halve exactly).
+// What a map must be. Errors: out_of_range (its format, a filter that rows do not have), bad_levels (a side that is neither half of the finer level's nor 1).
 constexpr status check(const texture_view& t, filter kind) {
   if (t.format() != texel_format::rgb565 || !is_supported(kind)) return status::out_of_range;
   if (!uses_levels(kind)) return status::ok;
+  const auto follows = [](int32_t fine, int32_t coarse) { return fine == 2 * coarse || coarse == 1; };
   for (int level = 0; level < t.last_level(); ++level)
-    if (t.width(level) != 2 * t.width(level + 1) || t.height(level) != 2 * t.height(level + 1)) return status::bad_levels;
+    if (!follows(t.width(level), t.width(level + 1)) || !follows(t.height(level), t.height(level + 1))) return status::bad_levels;
   return status::ok;
 }
 
