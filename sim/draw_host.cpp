@@ -34,10 +34,8 @@ struct prepared {
 };
 
 bool has_kernel(const scene& s, const draw_options& o) {
-  return o.profile == profile_choice::standard && o.engine == engine_choice::direct && o.space == sampling_space::screen && kernels::draws(o.kind) && !o.single_half &&
-         o.port == nullptr && o.changes == profile_changes{.max_samples = o.changes.max_samples} && o.how.alpha == alpha_mode::opaque && o.how.colour == white && o.skips == usual_skips &&
-         (o.kind == filter::nearest || std::all_of(s.maps->begin(), s.maps->end(), [](const texture_map& map) { return map.view_on_demand().colours() == colour_space::coded; })) &&
-         kernels::kernel_of(o.kernel) != nullptr;
+  const auto is_coded = [](const texture_map& map) { return map.view_on_demand().colours() == colour_space::coded; };
+  return kernels_draw(o) && kernels::kernel_of(o.kernel) != nullptr && (o.kind == filter::nearest || std::all_of(s.maps->begin(), s.maps->end(), is_coded));
 }
 
 prepared prepare(const scene& s, const draw_options& o) {
@@ -380,6 +378,12 @@ profile profile_of(profile_choice choice, const profile_changes& changes) {
   p.sample_bias = changes.sample_bias.value_or(p.sample_bias);
   if (!is_valid(p)) throw input_error("profile: numbers outside their documented ranges");
   return p;
+}
+
+bool kernels_draw(const draw_options& o) {
+  return profile_of(o.profile, o.changes) == profile_of(profile_choice::standard, {.max_samples = o.changes.max_samples}) && o.engine == engine_choice::direct &&
+         o.space == sampling_space::screen && kernels::draws(o.kind) && !o.single_half && o.port == nullptr && o.how.alpha == alpha_mode::opaque && o.how.colour == white &&
+         o.skips == usual_skips;
 }
 
 namespace {

@@ -100,7 +100,7 @@ struct draw_options {
   std::optional<uint8_t> outline;                  // 1/16 pixel, likewise
   rgba8 background{0, 0, 0, 255};
   bool counted = false;              // work is the engine's also where a kernel drew: the engine draws once more, untimed, the same picture
-  kernels::choice kernel = kernels::choice::fastest;  // profile default, engine direct, planes, opaque, colours as coded: same bytes
+  kernels::choice kernel = kernels::choice::fastest;  // of what kernels_draw(), from maps whose colours are coded (filter nearest: of all): same bytes
   int threads = 1;
   int repeat = 1;
   bool single_half = false;
@@ -112,6 +112,10 @@ struct draw_options {
   any_engine* port = nullptr;        // instead of an engine made here: one thread, and of the skips those of a device, so that the engine draws every pixel
   progress_callback parts_done;
 };
+
+// Whether kernels draw planes and polygons, those without colours of their own, in that way: the numbers of profile default but for max_samples, engine direct, screen space, opaque, no skip
+// off.
+bool kernels_draw(const draw_options& o);
 
 struct draw_result {
   image picture;

@@ -62,6 +62,7 @@ nlohmann::ordered_json to_json(const judged& j) {
           {"ssim", number_or_null(j.ssim)},
           {"worst_error", number_or_null(j.worst)},
           {"ns_per_pixel", j.ns_per_pixel},
+          {"kernel", std::string(j.kernel)},
           {"texel_reads_per_pixel", j.texel_reads},
           {"words_per_pixel", j.words},
           {"stalls_per_pixel", j.stalls},

@@ -61,7 +61,7 @@ judged bench::judge(const method& m) const {
   const double pixels = double(std::max<size_t>(1, shown_));
   const auto unless_contours = [&](double x) { return contours ? std::numeric_limits<double>::quiet_NaN() : x; };
   judged j{scene_.name, m, {}, unless_contours(sim::psnr_db(direct.picture, reference_)), unless_contours(sim::ssim(direct.picture, rounded_)),
-           unless_contours(sim::worst_error(direct.picture, reference_)), direct.ns_per_pixel, double(direct.machine.texel_reads) / pixels,
+           unless_contours(sim::worst_error(direct.picture, reference_)), direct.ns_per_pixel, direct.kernel, double(direct.machine.texel_reads) / pixels,
            double(direct.work.words_loaded) / pixels, double(direct.machine.stall_cycles) / pixels, direct.machine};
   j.picture = std::move(direct.picture);
   return j;
@@ -69,16 +69,16 @@ judged bench::judge(const method& m) const {
 
 std::string table_heading() {
   char line[200];
-  snprintf(line, sizeof line, "%-10s  %-24s  %-7s  %7s  %6s  %5s  %8s  %6s  %8s  %8s", "picture", "filter", "profile", "PSNR dB", "SSIM", "worst",
-           "texels", "words", "stalls", "ns");
+  snprintf(line, sizeof line, "%-10s  %-24s  %-7s  %7s  %6s  %5s  %8s  %6s  %8s  %8s  %s", "picture", "filter", "profile", "PSNR dB", "SSIM", "worst",
+           "texels", "words", "stalls", "ns", "kernel");
   return line;
 }
 
 std::string table_line(const judged& j) {
   char line[200];
   const std::string kind = label_of(j.how), profile(sim::name_of(sim::profile_names, j.how.profile));
-  snprintf(line, sizeof line, "%-10s  %-24s  %-7s  %7.2f  %6.4f  %5.0f  %8.2f  %6.2f  %8.3f  %8.1f", j.scene.c_str(), kind.c_str(), profile.c_str(), j.psnr_db,
-           j.ssim, j.worst, j.texel_reads, j.words, j.stalls, j.ns_per_pixel);
+  snprintf(line, sizeof line, "%-10s  %-24s  %-7s  %7.2f  %6.4f  %5.0f  %8.2f  %6.2f  %8.3f  %8.1f  %s", j.scene.c_str(), kind.c_str(), profile.c_str(), j.psnr_db,
+           j.ssim, j.worst, j.texel_reads, j.words, j.stalls, j.ns_per_pixel, std::string(j.kernel).c_str());
   return line;
 }
 

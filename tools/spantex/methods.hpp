@@ -25,6 +25,7 @@ struct judged {
   sim::image picture;
   double psnr_db, ssim, worst;   // against the reference; SSIM against it rounded. NaN for contours: nothing to compare a coverage with
   double ns_per_pixel;           // engine direct, one thread, on this machine
+  std::string_view kernel;       // what took them: draw_result
   double texel_reads, words, stalls;  // a pixel of the picture that is drawn; stalls of engine sim
   sim::counters machine;
 };

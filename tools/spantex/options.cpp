@@ -167,7 +167,7 @@ void drawing_options::add_to(CLI::App& app, bool with_engine) {
   app.add_option("--field-scale", field_scale, "filter contour: field units per texel across the contour, 1/16..255");
   if (!with_engine) return;
   app.add_option("--engine", engine, list_of(sim::engine_names))->capture_default_str();
-  app.add_option("--kernel", kernel, "who draws planes in profile default, the bytes are the same: " + list_of(sim::kernel_names))->capture_default_str();
+  app.add_option("--kernel", kernel, "who draws opaque, coded colours by the numbers of profile default, the bytes are the same: " + list_of(sim::kernel_names))->capture_default_str();
   app.add_option("--threads", threads, "threads, each with its own engine")->capture_default_str();
   app.add_option("--repeat", repeat, "draw so often; times are medians")->capture_default_str();
   app.add_option("--cull", culled, "polygons left out by how their corners run on the screen: " + list_of(sim::cull_names) + " (clockwise: the backs of closed models)")->capture_default_str();
@@ -279,6 +279,9 @@ sim::draw_options drawing_options::resolve() const {
   o.threads = threads;
   o.repeat = repeat;
   o.single_half = single_half;
+  const bool is_named = o.kernel != kernels::choice::scalar && o.kernel != kernels::choice::fastest;
+  if (is_named && (!sim::kernels_draw(o) || (srgb && o.kind != filter::nearest)))
+    throw input_error("--kernel " + kernel + ": draws opaque, coded colours by the numbers of profile default on engine direct, filters nearest, bilinear, mip-bilinear, trilinear, aniso, no skip off; take fastest or scalar");
   return o;
 }
 
