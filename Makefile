@@ -198,12 +198,12 @@ $(B)/peers/%.so: tools/peers/%.cpp tools/peers/peer.hpp Makefile
 
 $(B)/spantex: $(TOOL_OBJECTS) $(HOST_OBJECTS)
 	@echo "  link    $@"
-	@$(CXX) $(FLAGS) $^ -o $@ -lassimp -lzip -ldeflate -ldl $(GPIOD_LIBS)
+	@$(CXX) $(FLAGS) $^ -o $@ -lassimp -lzip -ldeflate -lpng -ldl $(GPIOD_LIBS)
 
 $(B)/arm64/judge_pictures: $(B)/tools/arm64/judge_pictures.o $(HOST_OBJECTS)
 	@mkdir -p $(@D)
 	@echo "  link    $@"
-	@$(CXX) $(FLAGS) $^ -o $@ -lassimp -lzip -ldeflate $(GPIOD_LIBS)
+	@$(CXX) $(FLAGS) $^ -o $@ -lassimp -lzip -ldeflate -lpng $(GPIOD_LIBS)
 
 $(B)/picture_hashes: $(B)/tests/identity/picture_hashes.o
 	@mkdir -p $(@D)
@@ -226,7 +226,7 @@ $(B)/sim/image.o: FLAGS += -O3
 $(B)/tests/%: $(B)/tests/unit/%.o $(HOST_OBJECTS)
 	@mkdir -p $(@D)
 	@echo "  link    $@"
-	@$(CXX) $(FLAGS) $^ -o $@ -lcmocka -lassimp -lzip -ldeflate $(GPIOD_LIBS) $(LIBRARIES) -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc
+	@$(CXX) $(FLAGS) $^ -o $@ -lcmocka -lassimp -lzip -ldeflate -lpng $(GPIOD_LIBS) $(LIBRARIES) -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc
 
 $(B)/tests/bc: LIBRARIES := -lsquish
 $(B)/tests/c_interface: $(B)/firmware/spantex/spantex_c.o
@@ -251,7 +251,7 @@ $(B)/tests/unit/gpiod2_lines.o: FLAGS := -Itests/gpiod2 $(FLAGS)
 $(B)/tests/gpiod2_lines: $(B)/tests/unit/gpiod2_lines.o $(B)/gpiod2/gpiod_lines.o $(filter-out $(B)/hal/gpiod_lines%.o,$(HOST_OBJECTS))
 	@mkdir -p $(@D)
 	@echo "  link    $@"
-	@$(CXX) $(FLAGS) $^ -o $@ -lcmocka -lassimp -lzip -ldeflate -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc
+	@$(CXX) $(FLAGS) $^ -o $@ -lcmocka -lassimp -lzip -ldeflate -lpng -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc
 
 .PRECIOUS: $(B)/tests/unit/%.o
 -include $(HOST_OBJECTS:.o=.d) $(B)/firmware/spantex/spantex_c.d $(TOOL_OBJECTS:.o=.d) $(UNIT_SOURCES:%.cpp=$(B)/%.d) $(B)/tests/identity/picture_hashes.d $(B)/gpio/device.d $(B)/tools/arm64/judge_pictures.d

@@ -2,10 +2,13 @@
 #include "image.hpp"
 
 #include <libdeflate.h>
+#include <png.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include <memory>
+#include <new>
 
 namespace {
 
@@ -26,6 +29,7 @@ unsigned char* zlib_stream(const unsigned char* data, int size, int* stream_size
 #define STBIW_CRC32(data, size) libdeflate_crc32(0, data, size_t(size))
 #define STB_IMAGE_IMPLEMENTATION
 #define STB_IMAGE_STATIC
+#define STBI_NO_PNG
 #define STBI_FAILURE_USERMSG
 #define STBI_NO_STDIO
 #define STB_IMAGE_WRITE_IMPLEMENTATION
@@ -82,6 +86,63 @@ void check_size(int width, int height, const std::string& name) {
                     std::to_string(max_picture_side) + "x" + std::to_string(max_picture_side) + " is supported");
 }
 
+// PNG by libpng: stb_image takes what its checksums say is damaged, and streams that grow without end.
+struct png_source {
+  const uint8_t* data;
+  size_t size;
+  char why[100];
+
+  static void read(png_structp png, png_bytep out, size_t count) {
+    png_source& s = *static_cast<png_source*>(png_get_io_ptr(png));
+    if (count > s.size) png_error(png, truncated);
+    memcpy(out, s.data, count);
+    s.data += count;
+    s.size -= count;
+  }
+  [[noreturn]] static void fail(png_structp png, png_const_charp message) {
+    png_source& s = *static_cast<png_source*>(png_get_error_ptr(png));
+    snprintf(s.why, sizeof s.why, "%s", message);
+    png_longjmp(png, 1);
+  }
+  static void ignore(png_structp, png_const_charp) {}  // warnings: of what is no texel
+  static constexpr char truncated[] = "truncated";
+};
+
+// False: source.why. No object of its own: libpng leaves by longjmp. Indices beyond the palette are opaque black.
+bool read_png(png_structp png, png_infop info, png_source& source, const std::string& name, image& picture) {
+  if (setjmp(png_jmpbuf(png)) != 0) return false;
+  png_set_read_fn(png, &source, png_source::read);
+  png_set_crc_action(png, PNG_CRC_ERROR_QUIT, PNG_CRC_ERROR_QUIT);
+  png_read_info(png, info);
+  check_size(int(png_get_image_width(png, info)), int(png_get_image_height(png, info)), name);
+  png_set_expand(png);
+  png_set_strip_16(png);
+  png_set_gray_to_rgb(png);
+  png_set_add_alpha(png, 255, PNG_FILLER_AFTER);
+  const int passes = png_set_interlace_handling(png);
+  png_read_update_info(png, info);
+  picture = image(int(png_get_image_width(png, info)), int(png_get_image_height(png, info)), {});
+  for (int pass = 0; pass < passes; ++pass)
+    for (int y = 0; y < picture.height_px; ++y) png_read_row(png, reinterpret_cast<png_bytep>(&picture.at(0, y)), nullptr);
+  png_read_end(png, nullptr);
+  return true;
+}
+
+image decode_png(const uint8_t* data, size_t size, const std::string& name) {
+  struct reading {
+    png_structp png;
+    png_infop info;
+    ~reading() { png_destroy_read_struct(&png, &info, nullptr); }
+  };
+  png_source source{data, size, {}};
+  reading r{png_create_read_struct(PNG_LIBPNG_VER_STRING, &source, png_source::fail, png_source::ignore), nullptr};
+  if (r.png != nullptr) r.info = png_create_info_struct(r.png);
+  image picture;
+  if (r.info == nullptr) throw std::bad_alloc();
+  if (read_png(r.png, r.info, source, name, picture)) return picture;
+  throw input_error(name + (strcmp(source.why, png_source::truncated) == 0 ? ": picture is truncated" : ": cannot decode picture: " + one_line(source.why)));
+}
+
 void append(void* user, void* data, int size) {
   bytes& out = *static_cast<bytes*>(user);
   const uint8_t* p = static_cast<const uint8_t*>(data);
@@ -91,7 +152,9 @@ void append(void* user, void* data, int size) {
 }  // namespace
 
 image decode_image(const uint8_t* data, size_t size, const std::string& name) {
+  constexpr size_t signature_bytes = 8;
   if (size == 0) throw input_error(name + ": not a picture: file is empty");
+  if (size >= signature_bytes && png_sig_cmp(data, 0, signature_bytes) == 0) return decode_png(data, size, name);
   int width = 0, height = 0, channels = 0;
   source header{data, size};
   if (stbi_info_from_callbacks(&callbacks, &header, &width, &height, &channels) != 0) check_size(width, height, name);

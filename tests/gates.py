@@ -24,7 +24,7 @@ BUILD = pathlib.Path(os.environ.get("SPANTEX_BUILD", ROOT / "build")).resolve()
 CXX = os.environ.get("CXX", "g++")
 FLAGS = ["-std=c++20", "-O1", "-I.", "-Ifirmware", "-pthread"]
 BEGUN = time.time()  # before the tree is copied
-LINK = ["-lcmocka", "-ldeflate", "-Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc"]
+LINK = ["-lcmocka", "-ldeflate", "-lpng", "-Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc"]
 
 
 def build_is_ours():

@@ -71,6 +71,7 @@ def make_inputs(folder):
     good = png_bytes(64, 64)
     files = {
         "good.png": good, "small.png": png_bytes(32, 64), "empty.png": b"", "text.png": b"this is not a picture\n" * 20,
+        "checksum.png": good[:-20] + bytes([good[-20] ^ 1]) + good[-19:],
         "truncated.png": good[:len(good) // 2], "header.png": good[:40], "wide.png": png_bytes(4097, 1), "tall.png": png_bytes(1, 4097),
         "truncated.bmp": bmp_header(64, 64) + b"\x55" * 900,
         "noise.png": good[:60] + bytes((b * 7 + 3) % 256 for b in good[60:-30]) + good[-30:],
@@ -123,6 +124,7 @@ CASES = [
     (plane(texture="empty.png"), ["empty.png", "empty"]),
     (plane(texture="text.png"), ["text.png", "cannot decode"]),
     (plane(texture="truncated.png"), ["truncated.png", "truncated"]),
+    (plane(texture="checksum.png"), ["checksum.png", "cannot decode", "IDAT"]),
     (plane(texture="header.png"), ["header.png", "truncated"]),
     (plane(texture="truncated.bmp"), ["truncated.bmp", "truncated"]),
     (plane(texture="noise.png"), ["noise.png"]),
