@@ -4,7 +4,10 @@
 import itertools
 import json
 import re
+import struct
 import sys
+import zlib
+from random import Random
 
 sys.dont_write_bytecode = True
 from spantex_command import FILTERS, FORMATS, IDENTITY, PREFILTERS, PROFILES, TILTED, WRAPS, done, plane, png_bytes, read_png, run_tests  # noqa: E402
@@ -52,6 +55,45 @@ def test_formats(folder):
         _, _, rows = read_png(folder / "o.png")
         for y, x in itertools.product(range(16), range(16)):
             assert list(rows[y][4 * x:4 * x + 4]) == to_rgba(texel(x, y)[:count[kind] - 1] + [9 * x + y]), (kind, x, y)
+
+
+def test_every_kind_of_png(folder):
+    """Colour types and depths, interlaced or not, palettes, one colour clear: as the PNG specification says, 16 bits cut to 8, gamma left alone."""
+    random = Random(8)
+    chunk = lambda kind, data: struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+    width, height = 13, 11
+    whole, adam7 = [(0, 0, 1, 1)], [(0, 0, 8, 8), (4, 0, 8, 8), (0, 4, 4, 8), (2, 0, 4, 4), (0, 2, 2, 4), (1, 0, 2, 2), (0, 1, 1, 2)]
+    kinds = [(0, depth) for depth in (1, 2, 4, 8, 16)] + [(3, depth) for depth in (1, 2, 4, 8)] + [(kind, depth) for kind in (2, 4, 6) for depth in (8, 16)]
+    for (kind, depth), passes, clear in itertools.product(kinds, (whole, adam7), (False, True)):
+        if clear and kind in (4, 6):
+            continue
+        most, samples = 2 ** depth - 1, {0: 1, 2: 3, 3: 1, 4: 2, 6: 4}[kind]
+        texels = [[[random.randrange(most + 1) for _ in range(samples)] for _ in range(width)] for _ in range(height)]
+        palette = [[random.randrange(256) for _ in range(3)] for _ in range(most + 1)] if kind == 3 else []
+        alphas = [random.randrange(256) for _ in range(min(3, len(palette)))]
+        raw = b""
+        for x0, y0, dx, dy in passes:
+            for row in texels[y0::dy]:
+                numbers = [n for texel in row[x0::dx] for n in texel]
+                bits = "".join(f"{n:0{depth}b}" for n in numbers)
+                bits += "0" * (-len(bits) % 8)
+                raw += bytes([0] + [int(bits[k:k + 8], 2) for k in range(0, len(bits), 8)]) if numbers else b""
+        data = b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, depth, kind, 0, 0, int(passes is adam7))) + chunk(b"gAMA", struct.pack(">I", 30000))
+        data += chunk(b"PLTE", bytes(c for colour in palette for c in colour)) if kind == 3 else b""
+        if clear:
+            data += chunk(b"tRNS", bytes(alphas) if kind == 3 else struct.pack(f">{samples}H", *texels[5][6]))
+        (folder / "k.png").write_bytes(data + chunk(b"IDAT", zlib.compress(raw)) + chunk(b"IEND", b""))
+        plane(folder, "o.png", "k.png", f"{width}x{height}", IDENTITY, filter="nearest")
+        _, _, rows = read_png(folder / "o.png")
+        for y, x in itertools.product(range(height), range(width)):
+            texel = texels[y][x]
+            eight = [n >> 8 if depth == 16 else n * 255 // most for n in texel]
+            alpha = 0 if clear and texel == texels[5][6] else 255
+            if kind == 3:
+                wanted = palette[texel[0]] + [alphas[texel[0]] if clear and texel[0] < len(alphas) else 255]
+            else:
+                wanted = {0: eight * 3 + [alpha], 2: eight + [alpha], 4: eight[:1] * 3 + eight[1:], 6: eight}[kind]
+            assert list(rows[y][4 * x:4 * x + 4]) == wanted, (kind, depth, passes is adam7, clear, x, y)
 
 
 def test_texture_packs(folder):
