@@ -23,6 +23,7 @@
 #include <hal/engine.hpp>
 #include <hal/operation.hpp>
 #include <hal/span_archive.hpp>
+#include <spantex/pack.hpp>
 
 namespace spantex {
 
@@ -47,14 +48,7 @@ struct recording {
 
 namespace detail {
 
-inline uint32_t crc32(const std::string& bytes, size_t count) {
-  uint32_t crc = ~uint32_t(0);
-  for (size_t k = 0; k < count; ++k) {
-    crc ^= uint8_t(bytes[k]);
-    for (int bit = 0; bit < 8; ++bit) crc = (crc >> 1) ^ ((crc & 1) != 0 ? 0xEDB88320u : 0u);
-  }
-  return ~crc;
-}
+inline uint32_t crc_of(const std::string& bytes, size_t count) { return crc32(reinterpret_cast<const uint8_t*>(bytes.data()), count); }
 
 // One field at a time, in either direction; a class of bytes to write and one of bytes to read.
 class byte_writer {
@@ -204,7 +198,7 @@ inline bool save(std::ostream& out, const recording& log) {
   file(uint64_t(log.operations.size()));
   file(uint64_t(body.bytes.size()));
   file.bytes += body.bytes;
-  file(detail::crc32(file.bytes, file.bytes.size()));
+  file(detail::crc_of(file.bytes, file.bytes.size()));
   out.write(file.bytes.data(), std::streamsize(file.bytes.size()));
   return bool(out.flush());
 }
@@ -228,7 +222,7 @@ inline std::string load(std::istream& in, recording& out) {
   if (held > length) return "recording is followed by " + std::to_string(held - length) + " bytes that are not part of it";
   uint32_t checksum = 0;
   byte_reader(bytes, bytes.size() - checksum_length, bytes.size())(checksum);
-  if (checksum != crc32(bytes, bytes.size() - checksum_length)) return "recording is damaged: its checksum does not match";
+  if (checksum != crc_of(bytes, bytes.size() - checksum_length)) return "recording is damaged: its checksum does not match";
   recording log;
   byte_reader body(bytes, header_length, bytes.size() - checksum_length);
   for (uint64_t k = 0; k < operations; ++k) {
