@@ -256,14 +256,12 @@ SPANTEX_FRAME_APART constexpr void make_forms(const three_texels& map, int secon
     for (int axis = 0; axis < 3; ++axis) negate(coefficient(exact_form(p, k), axis));
 }
 
-// The rest of set-up, from held corners and forms. Errors: degenerate.
+// The rest of set-up but depth, from held corners and forms. Errors: degenerate.
 SPANTEX_FRAME_MERGED constexpr status finish_polygon(int32_t near_z, const wide& determinant, int& drop, polygon& out) {
   if (determinant.zero()) return status::degenerate;
   clip_to_view(near_z, guard_band, out.edges);
   SPANTEX_TRY(make_edges(out));
-  SPANTEX_TRY(normalise(out.box, out.map, drop));
-  set_depth(out.map, determinant, drop, near_z, out.depth);
-  return status::ok;
+  return normalise(out.box, out.map, drop);
 }
 
 SPANTEX_FRAME_MERGED constexpr status finish_triangle(int32_t near_z, const three_texels& map, polygon& out) {
@@ -280,7 +278,7 @@ constexpr status begin_polygon(const projection& camera, polygon& out) {
   return camera.near_z <= 0 ? status::out_of_range : status::ok;
 }
 
-// A triangle whose vertices corner(0), corner(1), corner(2) are, each asked for once. The clip rectangle is out.box.
+// A triangle whose vertices corner(0), corner(1), corner(2) are, each asked for once, for who has no depths: out.depth is left as it is. The clip rectangle is out.box.
 template <class Corner>
 constexpr status make_triangle_of(const projection& camera, const Corner& corner, polygon& out) {
   three_texels map{};
@@ -306,7 +304,9 @@ SPANTEX_FRAME_APART constexpr status make_polygon(const vertex* const* vertices,
     const vertex &a = *vertices[0], &b = *vertices[second], &c = *vertices[second + 1];
     make_forms({{{a.u, a.v}, {b.u, b.v}, {c.u, c.v}}}, second, out, determinant);
   } while (determinant.zero() && second + 2 < count);
-  return finish_polygon(camera.near_z, determinant, basis.drop, out);
+  SPANTEX_TRY(finish_polygon(camera.near_z, determinant, basis.drop, out));
+  set_depth(out.map, determinant, basis.drop, camera.near_z, out.depth);
+  return status::ok;
 }
 
 }  // namespace detail

@@ -42,7 +42,7 @@ constexpr const char* to_string(status s) {
     case status::bad_pointer: return "null pointer";
     case status::bad_alignment: return "texels at an odd address";
     case status::out_of_memory: return "out of texture memory";
-    case status::bad_levels: return "mip levels of a number or of sizes that are not taken";
+    case status::bad_levels: return "mip levels of a number or size not taken";
     case status::out_of_range: return "number out of range";
     case status::degenerate: return "degenerate: nothing to draw";
     case status::half_busy: return "half is busy";

@@ -75,7 +75,7 @@ SPANTEX_CASE(malformed_recordings_with_a_right_checksum_are_refused) {
   const auto with = [&](size_t at, char value) {
     b = bytes.substr(0, bytes.size() - spantex::detail::checksum_length);
     b[at] = value;
-    const uint32_t sum = spantex::detail::crc32(b, b.size());
+    const uint32_t sum = spantex::detail::crc_of(b, b.size());
     for (int k = 0; k < 4; ++k) b.push_back(char(sum >> (8 * k)));
     return refusal(b);
   };
