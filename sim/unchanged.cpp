@@ -2,7 +2,7 @@
 #include "unchanged.hpp"
 
 #include <algorithm>
-#include <unordered_map>
+#include <utility>
 
 #include <spantex/bits.hpp>
 
@@ -51,16 +51,27 @@ common_surfaces in_order(const std::vector<int>& partner, size_t before_count) {
   return common;
 }
 
+surface_places places_of(const std::vector<drawable>& items) {
+  surface_places places;
+  places.first.reserve(items.size());
+  places.next.assign(items.size(), -1);
+  for (size_t k = items.size(); k-- > 0;) {
+    const auto [place, is_new] = places.first.try_emplace(hash_of(items[k]), int(k));
+    if (!is_new) places.next[k] = std::exchange(place->second, int(k));
+  }
+  return places;
+}
+
 template <class Alike>
-common_surfaces common_of(const std::vector<drawable>& before, const std::vector<drawable>& now, Alike alike) {
-  std::unordered_map<uint64_t, std::vector<int>> places;
-  for (size_t k = before.size(); k > 0; --k) places[hash_of(before[k - 1])].push_back(int(k - 1));  // the first one last, to be taken first
+common_surfaces common_of(const std::vector<drawable>& before, const surface_places& places, const std::vector<drawable>& now, Alike alike) {
+  std::vector<bool> taken(before.size());
   std::vector<int> partner;
   for (const drawable& d : now) {
-    std::vector<int>& candidates = places[hash_of(d)];
-    const auto found = std::find_if(candidates.rbegin(), candidates.rend(), [&](int k) { return alike(before[size_t(k)], d); });
-    partner.push_back(found == candidates.rend() ? -1 : *found);
-    if (found != candidates.rend()) candidates.erase(found.base() - 1);
+    const auto place = places.first.find(hash_of(d));
+    int k = place == places.first.end() ? -1 : place->second;
+    while (k >= 0 && (taken[size_t(k)] || !alike(before[size_t(k)], d))) k = places.next[size_t(k)];
+    if (k >= 0) taken[size_t(k)] = true;
+    partner.push_back(k);
   }
   return in_order(partner, before.size());
 }
@@ -92,7 +103,7 @@ std::vector<uint8_t> frame_before::unchanged(const scene& s, const draw_options&
     if (maps_alike[now] < 0) maps_alike[now] = a.serial() == serials_[before] && read_alike(a, b) && (a.serial() == b.serial() || same_texels(a, b));
     return maps_alike[now] != 0;
   };
-  const common_surfaces common = common_of(scene_.items, s.items, [&](const drawable& a, const drawable& b) {
+  const common_surfaces common = common_of(scene_.items, places_, s.items, [&](const drawable& a, const drawable& b) {
     return draws_alike(a, b) && map_alike(size_t(a.map_index), size_t(b.map_index));
   });
   if (!common.any) return {};
@@ -116,6 +127,7 @@ std::vector<uint8_t> frame_before::unchanged(const scene& s, const draw_options&
 
 void frame_before::keep(const scene& s, const draw_options& o, const image& picture, const frame_depths& depth) {
   scene_ = s;
+  places_ = places_of(scene_.items);
   options_ = o;
   options_.parts_done = nullptr;
   serials_.clear();

@@ -9,11 +9,18 @@
 #include <stdint.h>
 
 #include <memory>
+#include <unordered_map>
 #include <vector>
 
 #include "draw_host.hpp"
 
 namespace spantex::sim {
+
+// Surfaces by their hashes: the first one of each, and the next one of the same.
+struct surface_places {
+  std::unordered_map<uint64_t, int> first;
+  std::vector<int> next;  // -1: none
+};
 
 // What a frame leaves for the next one. An empty one keeps no span.
 class frame_before {
@@ -29,6 +36,7 @@ class frame_before {
   bool shows(const drawable& item, int32_t sx, int32_t sy) const;
 
   scene scene_;
+  surface_places places_;
   draw_options options_;
   std::vector<uint64_t> serials_;  // of the maps as they were
   image picture_;

@@ -422,6 +422,7 @@ GATES = [
     ("spans kept though texels in place are others", "sim/unchanged.cpp", "a.serial() == serials_[before] && ", "", "unchanged", "maps_count*", OBJECT_SPACE),
     ("spans kept though the background is another", "sim/unchanged.cpp", "a.background == b.background;", "true;", "unchanged", "write_out*", OBJECT_SPACE),
     ("spans kept though they are blended now", "sim/unchanged.cpp", "a.how.alpha == b.how.alpha && ", "", "unchanged", "write_out*", OBJECT_SPACE),
+    ("surfaces alike taken for one", "sim/unchanged.cpp", "(taken[size_t(k)] || !alike(before[size_t(k)], d))", "!alike(before[size_t(k)], d)", "unchanged", "a_still*", OBJECT_SPACE),
     ("spans kept where something went away", "sim/unchanged.cpp", "if (!common.before[k]) mark(scene_.items[k]);", "if (!common.before[k] && k > scene_.items.size()) mark(scene_.items[k]);", "unchanged",
      "a_moving_object*", OBJECT_SPACE),
     ("spans kept though surfaces change places", "sim/unchanged.cpp", "if (at != ends.begin()) previous[size_t(k)] = at[-1];", "if (k > 0) previous[size_t(k)] = k - 1;", "unchanged", "random*", OBJECT_SPACE),

@@ -121,6 +121,9 @@ SPANTEX_CASE(a_still_frame_costs_nothing) {
     f = {};
     for (int k = 0; k < 3; ++k) {
       scene s = make_named_scene("fig8", request());  // maps made anew for each frame: found to be the same by their texels
+      const size_t count = s.items.size();
+      s.items.reserve(2 * count);
+      for (size_t n = 0; n < count; n += 2) s.items.push_back(s.items[n]);  // some surfaces twice
       f.show(s, options_of(filter::trilinear, engine));
       assert_int_equal(f.shown.spans_unchanged, k == 0 ? 0 : columns * rows);
       if (k == 0) continue;
