@@ -18,7 +18,7 @@
 
 namespace spantex {
 
-// Where pixels go: RGBA8888, rows of `stride` pixels, caller's memory.
+// Where pixels go: RGBA8888, rows of `stride` pixels, caller's memory. Sides 1..4096, stride at least the width: not checked.
 struct frame_buffer {
   rgba8* pixels;
   int32_t width, height, stride;

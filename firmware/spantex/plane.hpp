@@ -285,7 +285,7 @@ struct kt88_plane {
 };
 struct view {
   uint32_t step_x, step_y;  // u0.32: ray slope per pixel
-  int32_t width_px, height_px;
+  int32_t width_px, height_px;  // 1..4096
 };
 
 namespace detail {

@@ -8,7 +8,7 @@
 //   texture     u, v in texels of level 0; texel (k, l) has its centre at (k + 1/2, l + 1/2); sides 1..4096; |u|, |v| < 2^15
 //   levels      level L has side max(1, floor(side / 2^L)); level 0 is the full map
 //   divisor     a point with W <= 0 is behind the viewer and is not drawn
-//   formats     s15_16: sign, 15 integer bits, 16 fraction bits; u0_8 likewise without sign. Every rounding: docs/SPEC.md
+//   formats     s15.16: sign, 15 integer bits, 16 fraction bits; u0.8 likewise without sign. Every rounding: docs/SPEC.md
 //   errors      [[nodiscard]] status; nothing throws, allocates or keeps static state
 //
 // Start at draw.hpp (renderer), plane.hpp and polygon.hpp (what is drawn), texture.hpp (maps), profile.hpp (word lengths);
