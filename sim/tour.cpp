@@ -11,14 +11,7 @@
 namespace spantex::sim {
 namespace {
 
-vector3d operator+(const vector3d& a, const vector3d& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
-vector3d operator-(const vector3d& a, const vector3d& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
-vector3d operator*(const vector3d& a, double k) { return {a[0] * k, a[1] * k, a[2] * k}; }
-double dot(const vector3d& a, const vector3d& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-double distance(const vector3d& a, const vector3d& b) { return sqrt(dot(a - b, a - b)); }
-vector3d cross(const vector3d& a, const vector3d& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
+double distance(const vector3d& a, const vector3d& b) { return length(a - b); }
 
 // Moeller and Trumbore 1997, from both sides.
 bool crosses(const vector3d& from, const vector3d& way, const world_face& triangle) {
@@ -54,7 +47,7 @@ std::vector<walk> walks_of(const level& l) {
   return walks;
 }
 
-double length(const walk& w) {
+double length_of(const walk& w) {
   double sum = 0;
   for (size_t k = 1; k < w.size(); ++k) sum += distance(w[k - 1], w[k]);
   return sum;
@@ -90,13 +83,13 @@ std::vector<viewpoint> tour(const level& l, int frames) {
   std::vector<walk> walks = walks_of(l);
   std::erase_if(walks, [](const walk& w) { return w.size() < 2; });
   double total = 0;
-  for (const walk& w : walks) total += length(w);
+  for (const walk& w : walks) total += length_of(w);
   if (walks.empty()) return turn_about(l.places.front(), frames);
   std::vector<viewpoint> views;
   for (int k = 0; k < frames; ++k) {
     double way = total * k / frames;
     size_t n = 0;
-    for (; n + 1 < walks.size() && way >= length(walks[n]); ++n) way -= length(walks[n]);
+    for (; n + 1 < walks.size() && way >= length_of(walks[n]); ++n) way -= length_of(walks[n]);
     views.push_back(look_ahead(walks[n], way));
   }
   return views;
