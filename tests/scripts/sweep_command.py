@@ -38,7 +38,8 @@ REFUSED = [  # what is replaced in GOOD as it is written, what it is replaced by
     ('"subtexel_bits": [\n     2,', '"subtexel_bits": [\n     "02",', "'02' is not a whole number"), ('"level_bits": [\n     2,', '"level_bits": [\n     NaN,', "not JSON"),
     ('"subtexel_bits": [\n     2,', '"subtexel_bits": [\n     2.5,', "must be a whole number"), ('"subtexel_bits": [\n     2,', '"subtexel_bits": [\n     99999999999999999999,', "must be a whole number"),
     ('"profile": "exact"', '"scene": "fig8"', "listed under 'scenes'"), ('"cost"', '"twin"', "measure 'twin' twice"), ('"name": "grid"', '"name": "a\\u0000b"', "control character"),
-    ('"name": "t"', '"name": 5', "'name' must be a text"), ('"fine_side"', '"fine\\nside"', "unknown axis 'fine?side'"), ('"points": 5', '"points": ' + "[" * 50000, "not JSON at '..."),
+    ('"name": "t"', '"name": 5', "'name' must be a text"), ('"fine_side"', '"fine\\nside"', "unknown axis 'fine?side'"), ('"points": 5', '"points": ' + "[" * 50000, "brackets deeper than 64"),
+    ('"points": 5', '"points": ' + "[" * 60, "not JSON at '..."),
     ('"profile": "exact"', '"map": "missing.png"', "missing.png"), ('"points": 5', '"points": 5,,', "not JSON"), ('"points": 5', '"points": 5, "points": 6', "'points' twice"),
 ]
 
