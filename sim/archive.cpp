@@ -41,7 +41,8 @@ std::optional<bytes> archive::read(const std::string& name) const {
   const std::unique_ptr<zip_file_t, int (*)(zip_file_t*)> file(zip_fopen_index(zip_.get(), zip_uint64_t(at), 0), zip_fclose);
   if (!file) throw bad("damaged or encrypted");
   bytes data(about.size);
-  if (zip_fread(file.get(), data.data(), data.size()) != zip_int64_t(data.size())) throw bad("damaged");
+  uint8_t beyond = 0;  // there is none; where the end is read the checksum is compared
+  if (zip_fread(file.get(), data.data(), data.size()) != zip_int64_t(data.size()) || zip_fread(file.get(), &beyond, 1) != 0) throw bad("damaged: not of the size or checksum that it has in the archive");
   return data;
 }
 

@@ -17,7 +17,7 @@ class archive {
   explicit archive(std::string path);  // throws input_error: unreadable, no archive
   const std::string& path() const { return path_; }
   std::vector<std::string> names() const;
-  // Empty if there is none of this name. Throws input_error: damaged, larger than max_file_bytes.
+  // Empty if there is none of this name. Throws input_error: damaged (its checksum is compared), larger than max_file_bytes.
   std::optional<bytes> read(const std::string& name) const;
 
  private:

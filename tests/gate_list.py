@@ -463,5 +463,6 @@ GATES = [
     ("half a picture's faces", "sim/world.cpp", "at(k), at(k + 1), [&]", "at(k) + (k > 0), at(k + 1), [&]", "world", "order_and_threads*", WORLD),
     ("halves rounded towards zero", "sim/scene.hpp", "(rest >= 0.5) -", "(rest > 0.5) -", "world", "numbers*", WORLD),
     ("a level's vertices believed", "sim/level.cpp", "if (index >= count) throw damaged(k);", "if (index >= count) continue;", "quake_level", "damaged*", LEVELS),
+    ("checksums of archives not read", "sim/archive.cpp", " || zip_fread(file.get(), &beyond, 1) != 0", "", "quake_level", "what_an_archive*", LEVELS),
     ("walls that do not stop a walk", "sim/tour.cpp", "u + v <= 1 && t >= 0 && t <= 1", "u + v <= 1 && t >= 0 && t <= 0", "quake_level", "a_walk*", LEVELS),
 ] + KERNEL_GATES

@@ -2,11 +2,14 @@
 // Levels of Quake III: a small map made here, whole and damaged; a walk through it. What depth complexity costs in texture words and filtered pixels, drawn
 // nearest first with floors, against every surface's own visible pixels: of a stack, and of frames of real levels where their package is installed.
 #include <unistd.h>
+#include <zip.h>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <filesystem>
 #include <string>
+#include <utility>
 
 #include <sim/level.hpp>
 #include <tests/support.hpp>  // last: cmocka's macro fail is a name of the standard library's
@@ -185,7 +188,26 @@ struct folder {
   folder() { fs::create_directories(path + "/maps"), fs::create_directories(path + "/textures"); }
   ~folder() { fs::remove_all(path); }
   void write(const std::string& name, const bytes& data) const { output_file(path + "/" + name).write(data); }
+  // As they are, not compressed.
+  void write_archive(const std::string& name, const std::vector<std::pair<std::string, bytes>>& files) const {
+    zip_t* const z = zip_open((path + "/" + name).c_str(), ZIP_CREATE | ZIP_TRUNCATE, nullptr);
+    for (const auto& [file, data] : files) {
+      const zip_int64_t at = zip_file_add(z, file.c_str(), zip_source_buffer(z, data.data(), data.size(), 0), 0);
+      zip_set_file_compression(z, zip_uint64_t(at), ZIP_CM_STORE, 0);
+    }
+    assert_int_equal(zip_close(z), 0);
+  }
 };
+
+// Why a level is refused; empty if it is not.
+std::string refusal(const std::string& path, const std::string& map = "") {
+  try {
+    (void)load_level(path, map, {});
+  } catch (const input_error& e) {
+    return e.what();
+  }
+  return {};
+}
 
 SPANTEX_CASE(a_map_is_read_with_its_patches_and_places) {
   static folder f;
@@ -216,12 +238,7 @@ SPANTEX_CASE(damaged_maps_are_refused) {
   static bytes map;
   const auto refused = [&] {
     f.write("maps/m.bsp", map);
-    try {
-      (void)load_level(f.path + "/maps/m.bsp", "", {});
-    } catch (const input_error&) {
-      return true;
-    }
-    return false;
+    return !refusal(f.path + "/maps/m.bsp").empty();
   };
   const bytes good = small_map();
   map = good;
@@ -241,6 +258,22 @@ SPANTEX_CASE(damaged_maps_are_refused) {
     refusals += refused();
   }
   assert_in_range(refusals, 100, 1999);
+}
+
+SPANTEX_CASE(what_an_archive_holds_is_as_its_checksum_says) {
+  static folder f;
+  static bytes file;
+  static std::string why;
+  const bytes map = small_map();
+  f.write_archive("a.pk3", {{"maps/m.bsp", map}});
+  assert_true(refusal(f.path + "/a.pk3").empty());
+  file = read_file(f.path + "/a.pk3");
+  const auto at = std::search(file.begin(), file.end(), map.begin(), map.end());
+  assert_true(at != file.end());
+  at[std::ptrdiff_t(map.size()) - 4] ^= 1;
+  f.write("a.pk3", file);
+  why = refusal(f.path + "/a.pk3");
+  assert_true(why.starts_with(f.path + "/a.pk3: maps/m.bsp: damaged"));
 }
 
 SPANTEX_CASE(a_walk_goes_where_nothing_is_in_the_way) {
@@ -268,6 +301,7 @@ int main() {
       cmocka_unit_test(frames_of_levels_cost_at_most_three_tenths_more_than_their_visible_pixels),
       cmocka_unit_test(a_map_is_read_with_its_patches_and_places),
       cmocka_unit_test(damaged_maps_are_refused),
+      cmocka_unit_test(what_an_archive_holds_is_as_its_checksum_says),
       cmocka_unit_test(a_walk_goes_where_nothing_is_in_the_way),
   };
   return run_suite("quake_level", tests);
