@@ -50,7 +50,7 @@ search_path::search_path(const std::string& folder) : folder_(folder) {
   std::vector<std::string> found;
   std::error_code ignored;
   for (const fs::directory_entry& e : fs::directory_iterator(folder, ignored))
-    if (e.path().extension() == ".pk3") found.push_back(e.path().string());
+    if (lower(e.path().extension().string()) == ".pk3") found.push_back(e.path().string());
   std::sort(found.begin(), found.end());
   for (std::string& path : found) {
     try {
@@ -60,13 +60,14 @@ search_path::search_path(const std::string& folder) : folder_(folder) {
   }
 }
 
-std::optional<bytes> search_path::read(const std::string& name) const {
+std::optional<found_file> search_path::read(const std::string& name) const {
   const fs::path wanted(name);
   if (wanted.is_absolute() || std::find(wanted.begin(), wanted.end(), "..") != wanted.end()) return {};
   std::error_code ignored;
-  if (fs::is_regular_file(fs::path(folder_) / wanted, ignored)) return read_file((fs::path(folder_) / wanted).string());
+  const std::string path = (fs::path(folder_) / wanted).string();
+  if (fs::is_regular_file(path, ignored)) return found_file{read_file(path), path};
   for (const archive& a : archives_)
-    if (std::optional<bytes> data = a.read(name)) return data;
+    if (std::optional<bytes> data = a.read(name)) return found_file{std::move(*data), a.path() + ": " + name};
   return {};
 }
 

@@ -26,12 +26,17 @@ class archive {
   std::unique_ptr<zip, closed> zip_;
 };
 
+struct found_file {
+  bytes data;
+  std::string name;  // with that of the archive or folder that holds it, for messages
+};
+
 class search_path {
  public:
   explicit search_path(const std::string& folder);  // the folder and every readable .pk3 in it, by name
   void prefer(archive a) { archives_.insert(archives_.begin(), std::move(a)); }
   // Empty if nowhere. A name with ".." or from the root is nowhere.
-  std::optional<bytes> read(const std::string& name) const;
+  std::optional<found_file> read(const std::string& name) const;
 
  private:
   std::string folder_;

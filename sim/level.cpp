@@ -177,7 +177,7 @@ std::vector<vector3d> places_of(std::string_view text) {
 
 std::optional<image> picture_of(const search_path& files, const std::string& texture) {
   for (const char* const end : {"", ".tga", ".jpg", ".jpeg", ".png"})
-    if (const std::optional<bytes> data = files.read(texture + end)) return decode_image(data->data(), data->size(), texture + end);
+    if (const std::optional<found_file> f = files.read(texture + end)) return decode_image(f->data.data(), f->data.size(), f->name);
   return {};
 }
 
@@ -198,20 +198,24 @@ std::string texture_name(const lump& textures, size_t k) {
   return name;
 }
 
-std::string map_names(const std::vector<std::string>& maps) {
+// The files of an archive's maps by their names in small letters, of several of one name the first.
+using archive_maps = std::map<std::string, std::string>;
+
+std::string names_of(const archive_maps& maps) {
   std::string text;
-  for (const std::string& m : maps) text += (text.empty() ? "" : ", ") + fs::path(m).stem().string();
+  for (const auto& [name, file] : maps) text += (text.empty() ? "" : ", ") + fs::path(file).stem().string();
   return text;
 }
 
 bytes map_in(const archive& a, const std::string& wanted) {
-  std::vector<std::string> maps;
-  for (const std::string& name : a.names())
-    if (fs::path(name).extension() == ".bsp" && (wanted.empty() || fs::path(name).stem() == wanted)) maps.push_back(name);
-  if (maps.empty() && wanted.empty()) throw input_error(a.path() + ": no map (.bsp) in the archive");
-  if (maps.empty()) throw input_error(a.path() + ": no map '" + wanted + "'; there are " + map_names(a.names()));
-  if (maps.size() > 1) throw input_error(a.path() + ": many maps, choose one by --map: " + map_names(maps));
-  return *a.read(maps.front());
+  archive_maps maps;
+  for (const std::string& file : a.names())
+    if (lower(fs::path(file).extension().string()) == ".bsp") maps.try_emplace(lower(fs::path(file).stem().string()), file);
+  if (maps.empty()) throw input_error(a.path() + ": no map (.bsp) in the archive");
+  if (wanted.empty() && maps.size() > 1) throw input_error(a.path() + ": many maps, choose one by --map: " + names_of(maps));
+  const auto found = wanted.empty() ? maps.begin() : maps.find(lower(wanted));
+  if (found == maps.end()) throw input_error(a.path() + ": no map '" + wanted + "'; there are " + names_of(maps));
+  return *a.read(found->second);
 }
 
 level read_level(const std::string& name, const bytes& file, const search_path& files, const model_options& options) {
@@ -237,11 +241,11 @@ level read_level(const std::string& name, const bytes& file, const search_path& 
 
 }  // namespace
 
-bool is_level(const std::string& path) { return path.ends_with(".bsp") || path.ends_with(".pk3"); }
+bool is_level(const std::string& path) { return lower(path).ends_with(".bsp") || lower(path).ends_with(".pk3"); }
 
 level load_level(const std::string& path, const std::string& map, const model_options& options) {
   fs::path folder = fs::path(path).has_parent_path() ? fs::path(path).parent_path() : fs::path(".");
-  if (path.ends_with(".pk3")) {
+  if (lower(path).ends_with(".pk3")) {
     archive own(path);
     const bytes file = map_in(own, map);
     search_path files(folder.string());

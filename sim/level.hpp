@@ -22,9 +22,9 @@ struct level {
   std::vector<std::string> missing;   // textures that are grey
 };
 
-bool is_level(const std::string& path);  // by its end: .bsp, .pk3
+bool is_level(const std::string& path);  // by its end, of any case: .bsp, .pk3
 
-// `map`: which one of an archive, without folder and .bsp; may be empty if there is one only. Throws input_error: unreadable, not a map, damaged, nothing to
+// `map`: which one of an archive, without folder and .bsp, in any case; may be empty if there is one only. Throws input_error: unreadable, not a map, damaged, nothing to
 // draw, a texture that is no picture.
 level load_level(const std::string& path, const std::string& map, const model_options& options);
 

@@ -276,6 +276,22 @@ SPANTEX_CASE(what_an_archive_holds_is_as_its_checksum_says) {
   assert_true(why.starts_with(f.path + "/a.pk3: maps/m.bsp: damaged"));
 }
 
+SPANTEX_CASE(maps_of_an_archive_are_found_in_any_case_and_listed_once) {
+  static folder f;
+  static std::string path, why;
+  path = f.path + "/maps/b.pk3";
+  const bytes map = small_map(), cut = [] { bytes p = encode_png(image(16, 8, {10, 20, 30, 255})); p.resize(p.size() / 2); return p; }();
+  f.write_archive("maps/b.pk3", {{"readme.txt", map}, {"MAPS/One.BSP", map}, {"maps/two.bsp", map}, {"more/two.bsp", map}});
+  assert_true(refusal(path, "one").empty() && refusal(path, "Two").empty());
+  why = refusal(path, "three");
+  assert_true(why == path + ": no map 'three'; there are One, two");
+  why = refusal(path);
+  assert_true(why == path + ": many maps, choose one by --map: One, two");
+  f.write_archive("maps/b.pk3", {{"maps/one.bsp", map}, {"textures/a.png", cut}});
+  why = refusal(path);
+  assert_true(why.starts_with(path + ": textures/a.png: "));
+}
+
 SPANTEX_CASE(a_walk_goes_where_nothing_is_in_the_way) {
   static level l;
   const auto wall = [](double x) {  // across the z axis' plane, from the floor up
@@ -302,6 +318,7 @@ int main() {
       cmocka_unit_test(a_map_is_read_with_its_patches_and_places),
       cmocka_unit_test(damaged_maps_are_refused),
       cmocka_unit_test(what_an_archive_holds_is_as_its_checksum_says),
+      cmocka_unit_test(maps_of_an_archive_are_found_in_any_case_and_listed_once),
       cmocka_unit_test(a_walk_goes_where_nothing_is_in_the_way),
   };
   return run_suite("quake_level", tests);
