@@ -29,7 +29,8 @@ bool is_level(const std::string& path);  // by its end, of any case: .bsp, .pk3
 level load_level(const std::string& path, const std::string& map, const model_options& options);
 
 // A walk from place to place, the nearest that can be seen from the last one, eyes ahead; a leap where none can. Frames are equally far apart.
-// Throws input_error: no place.
+// Through the first 512 places, fewer where there are more than 32768 faces (90 of 2^20), so that it takes seconds; OpenArena's levels have 198 at most, of 34 497 faces.
+// `l` as its world was measured. Throws input_error: no place.
 std::vector<viewpoint> tour(const level& l, int frames);
 
 }  // namespace spantex::sim

@@ -464,5 +464,7 @@ GATES = [
     ("halves rounded towards zero", "sim/scene.hpp", "(rest >= 0.5) -", "(rest > 0.5) -", "world", "numbers*", WORLD),
     ("a level's vertices believed", "sim/level.cpp", "if (index >= count) throw damaged(k);", "if (index >= count) continue;", "quake_level", "damaged*", LEVELS),
     ("checksums of archives not read", "sim/archive.cpp", " || zip_fread(file.get(), &beyond, 1) != 0", "", "quake_level", "what_an_archive*", LEVELS),
+    ("walks: balls of faces taken for smaller", "sim/tour.cpp", "reach = f.bound.radius + rounding", "reach = 0.1 * f.bound.radius + rounding", "quake_level", "a_walk*", LEVELS),
+    ("walks through any number of places", "sim/tour.cpp", "most = 512", "most = 520", "quake_level", "a_walk*", LEVELS),
     ("walls that do not stop a walk", "sim/tour.cpp", "u + v <= 1 && t >= 0 && t <= 1", "u + v <= 1 && t >= 0 && t <= 0", "quake_level", "a_walk*", LEVELS),
 ] + KERNEL_GATES

@@ -298,6 +298,7 @@ SPANTEX_CASE(a_walk_goes_where_nothing_is_in_the_way) {
     return world_face{{{{x, -100, -100}, 0, 0}, {{x, 300, -100}, 0, 0}, {{x, -100, 300}, 0, 0}}, 0};
   };
   l = {{"walk", nullptr, {wall(50)}, {}, 0}, {{0, 0, 0}, {100, 0, 0}, {0, 0, 40}, {100, 0, 40}}, {}};
+  l.drawn.measure();
   int crossings = 0;
   static std::vector<viewpoint> views;
   views = tour(l, 80);
@@ -307,6 +308,10 @@ SPANTEX_CASE(a_walk_goes_where_nothing_is_in_the_way) {
   for (const viewpoint& v : views) assert_true(v.eye[0] == 0 || v.eye[0] == 100);
   l.places.resize(1);
   assert_true((tour(l, 4)[0].eye == vector3d{0, 0, 0}));
+  l.places.clear();
+  for (int k = 0; k < 30000; ++k) l.places.push_back({-2.0 * k, 0, 0});
+  views = tour(l, 1022);
+  assert_true(std::fabs(views.back().eye[0] + 1021) < 1e-6);  // through the first 512
 }
 
 }  // namespace
