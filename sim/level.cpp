@@ -36,6 +36,7 @@ enum : size_t { entities_lump, textures_lump, vertices_lump = 10, indices_lump, 
 enum face_type : uint32_t { polygon_face = 1, patch_face, mesh_face };
 constexpr uint32_t sky = 0x4, not_drawn = 0x80;  // surface flags of a texture
 constexpr size_t texture_name_bytes = 64;
+constexpr uint64_t most_triangles = 1 << 20;
 
 struct bsp {
   std::string name;
@@ -67,18 +68,37 @@ struct face_reader {
 
   input_error damaged(size_t face) const { return input_error(map.name + ": damaged: face " + std::to_string(face) + " names what is not there"); }
 
+  // Counted before they are made: faces may be made of the same vertices, so that a small file names any number of triangles.
   void read() {
+    uint64_t triangles = 0;
+    for (size_t k = 0; k < faces.count; ++k) triangles += triangles_of(k);
+    if (triangles > most_triangles) throw input_error(map.name + ": " + std::to_string(triangles) + " triangles, more than " + std::to_string(most_triangles));
+    out.reserve(size_t(triangles));
     for (size_t k = 0; k < faces.count; ++k) {
-      const uint32_t texture = faces.u32(k, 0), type = faces.u32(k, 8);
-      if (texture >= textures.count) throw damaged(k);
-      if ((textures.u32(texture, texture_name_bytes) & (sky | not_drawn)) != 0) continue;
-      if (!vertices.holds(faces.u32(k, 12), faces.u32(k, 16)) || !indices.holds(faces.u32(k, 20), faces.u32(k, 24))) throw damaged(k);
-      if (type == polygon_face || type == mesh_face) read_triangles(k, int(texture));
-      if (type == patch_face) read_patches(k, int(texture));
+      if (triangles_of(k) == 0) continue;
+      if (faces.u32(k, 8) == patch_face) read_patches(k, int(faces.u32(k, 0)));
+      else read_triangles(k, int(faces.u32(k, 0)));
     }
   }
 
  private:
+  static constexpr size_t patch_steps = 4;
+
+  // None of a face that is not drawn.
+  uint64_t triangles_of(size_t k) const {
+    const uint32_t texture = faces.u32(k, 0), type = faces.u32(k, 8);
+    if (texture >= textures.count) throw damaged(k);
+    if ((textures.u32(texture, texture_name_bytes) & (sky | not_drawn)) != 0) return 0;
+    if (!vertices.holds(faces.u32(k, 12), faces.u32(k, 16)) || !indices.holds(faces.u32(k, 20), faces.u32(k, 24))) throw damaged(k);
+    if (type == polygon_face || type == mesh_face) return faces.u32(k, 24) / 3;
+    if (type != patch_face) return 0;
+    const size_t width = faces.u32(k, 96), height = faces.u32(k, 100);
+    constexpr size_t most = 1025;
+    const bool good = width >= 3 && height >= 3 && width % 2 == 1 && height % 2 == 1 && width <= most && height <= most && width * height <= faces.u32(k, 16);
+    if (!good) throw damaged(k);
+    return (width / 2) * (height / 2) * 2 * patch_steps * patch_steps;
+  }
+
   world_vertex at(size_t k) const {
     const world_vertex v{y_up(vertices.f32(k, 0), vertices.f32(k, 4), vertices.f32(k, 8)), vertices.f32(k, 12), vertices.f32(k, 16)};
     for (const double x : {v.position[0], v.position[1], v.position[2], v.u, v.v})
@@ -102,15 +122,12 @@ struct face_reader {
   // A grid of control points, odd x odd: every 3x3 of them, neighbours sharing a row, are a biquadratic Bezier patch.
   void read_patches(size_t k, int texture) {
     const size_t first = faces.u32(k, 12), width = faces.u32(k, 96), height = faces.u32(k, 100);
-    constexpr size_t most = 1025;
-    const bool good = width >= 3 && height >= 3 && width % 2 == 1 && height % 2 == 1 && width <= most && height <= most && width * height <= faces.u32(k, 16);
-    if (!good) throw damaged(k);
     for (size_t j = 0; j + 2 < height; j += 2)
       for (size_t i = 0; i + 2 < width; i += 2) add_patch(first + j * width + i, width, texture);
   }
 
   void add_patch(size_t corner, size_t stride, int texture) {
-    constexpr size_t steps = 4;
+    constexpr size_t steps = patch_steps;
     world_vertex grid[steps + 1][steps + 1];
     for (size_t j = 0; j <= steps; ++j)
       for (size_t i = 0; i <= steps; ++i) grid[j][i] = on_patch(corner, stride, double(i) / steps, double(j) / steps);

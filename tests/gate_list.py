@@ -463,6 +463,7 @@ GATES = [
     ("half a picture's faces", "sim/world.cpp", "at(k), at(k + 1), [&]", "at(k) + (k > 0), at(k + 1), [&]", "world", "order_and_threads*", WORLD),
     ("halves rounded towards zero", "sim/scene.hpp", "(rest >= 0.5) -", "(rest > 0.5) -", "world", "numbers*", WORLD),
     ("a level's vertices believed", "sim/level.cpp", "if (index >= count) throw damaged(k);", "if (index >= count) continue;", "quake_level", "damaged*", LEVELS),
+    ("triangles of a level not counted", "sim/level.cpp", "if (triangles > most_triangles)", "if (triangles > most_triangles * 9)", "quake_level", "triangles_are*", LEVELS),
     ("checksums of archives not read", "sim/archive.cpp", " || zip_fread(file.get(), &beyond, 1) != 0", "", "quake_level", "what_an_archive*", LEVELS),
     ("walks: balls of faces taken for smaller", "sim/tour.cpp", "reach = f.bound.radius + rounding", "reach = 0.1 * f.bound.radius + rounding", "quake_level", "a_walk*", LEVELS),
     ("walks through any number of places", "sim/tour.cpp", "most = 512", "most = 520", "quake_level", "a_walk*", LEVELS),

@@ -159,6 +159,17 @@ bytes bsp_texture(const std::string& name, uint32_t flags) {
   return t;
 }
 
+bytes bsp_file(const bytes (&lumps)[17]) {
+  bytes file{'I', 'B', 'S', 'P'}, body;
+  append(file, little_endian({46}));
+  for (const bytes& l : lumps) {
+    append(file, little_endian({uint32_t(8 + 8 * 17 + body.size()), uint32_t(l.size())}));
+    append(body, l);
+  }
+  append(file, body);
+  return file;
+}
+
 // A square as a polygon of two triangles, a flat patch of nine points, and the square once more as sky.
 bytes small_map() {
   bytes lumps[17];
@@ -173,14 +184,18 @@ bytes small_map() {
   append(lumps[13], bsp_face(0, 1, 0, 4, 0, 6, 0, 0));
   append(lumps[13], bsp_face(0, 2, 4, 9, 0, 0, 3, 3));
   append(lumps[13], bsp_face(1, 1, 0, 4, 0, 6, 0, 0));
-  bytes file{'I', 'B', 'S', 'P'}, body;
-  append(file, little_endian({46}));
-  for (const bytes& l : lumps) {
-    append(file, little_endian({uint32_t(8 + 8 * 17 + body.size()), uint32_t(l.size())}));
-    append(body, l);
-  }
-  append(file, body);
-  return file;
+  return bsp_file(lumps);
+}
+
+// Faces that are all made of the same triangles, or of the same patch.
+bytes map_of_equal_faces(uint32_t type, int count) {
+  constexpr uint32_t side = 65, triangles = 1024;
+  bytes lumps[17];
+  lumps[1] = bsp_texture("textures/a", 0);
+  for (uint32_t k = 0; k < side * side; ++k) append(lumps[10], bsp_vertex(float(k % side), float(k / side), 0, 0, 0));
+  for (uint32_t k = 0; k < triangles; ++k) append(lumps[11], little_endian({k, k + 1, k + side}));
+  for (int k = 0; k < count; ++k) append(lumps[13], bsp_face(0, type, 0, side * side, 0, 3 * triangles, side, side));
+  return bsp_file(lumps);
 }
 
 struct folder {
@@ -260,6 +275,20 @@ SPANTEX_CASE(damaged_maps_are_refused) {
   assert_in_range(refusals, 100, 1999);
 }
 
+SPANTEX_CASE(triangles_are_counted_before_they_are_made) {
+  static folder f;
+  static std::string why;
+  constexpr uint32_t patch = 2, mesh = 3;
+  f.write("m.bsp", map_of_equal_faces(mesh, 5));
+  assert_true(refusal(f.path + "/m.bsp").empty());
+  f.write("m.bsp", map_of_equal_faces(mesh, 1025));
+  why = refusal(f.path + "/m.bsp");
+  assert_true(why == f.path + "/m.bsp: 1049600 triangles, more than 1048576");
+  f.write("m.bsp", map_of_equal_faces(patch, 33));
+  why = refusal(f.path + "/m.bsp");
+  assert_true(why == f.path + "/m.bsp: 1081344 triangles, more than 1048576");
+}
+
 SPANTEX_CASE(what_an_archive_holds_is_as_its_checksum_says) {
   static folder f;
   static bytes file;
@@ -322,6 +351,7 @@ int main() {
       cmocka_unit_test(frames_of_levels_cost_at_most_three_tenths_more_than_their_visible_pixels),
       cmocka_unit_test(a_map_is_read_with_its_patches_and_places),
       cmocka_unit_test(damaged_maps_are_refused),
+      cmocka_unit_test(triangles_are_counted_before_they_are_made),
       cmocka_unit_test(what_an_archive_holds_is_as_its_checksum_says),
       cmocka_unit_test(maps_of_an_archive_are_found_in_any_case_and_listed_once),
       cmocka_unit_test(a_walk_goes_where_nothing_is_in_the_way),
