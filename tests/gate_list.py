@@ -221,6 +221,7 @@ GATES = [
     ("packages: a manifest of another version", "library.json", '"version": "0.1.0"', '"version": "0.1.1"', "packaging", "version_agrees", []),
     ("packages: a field that PlatformIO does not know", "library.json", '"license":', '"licence":', "packaging", "manifests", []),
     ("packages: headers for C not installed", "CMakeLists.txt", 'PATTERN "*.hpp" PATTERN "*.h")', 'PATTERN "*.hpp")', "packaging", "installed_headers", []),
+    ("packages: headers alone with a library", "CMakeLists.txt", "if(spantex_sources AND SPANTEX_C)", "if(spantex_sources)", "packaging", "headers_alone", []),
     ("packages: the engine not installed", "CMakeLists.txt", "${spantex_dir}/hal/engine.hpp ${spantex_dir}/hal/direct_engine.hpp ", "${spantex_dir}/hal/engine.hpp ", "packaging", "pkg_config", []),
     ("packages: another minor version taken", "CMakeLists.txt", "COMPATIBILITY SameMinorVersion", "COMPATIBILITY SameMajorVersion", "packaging", "cmake_installed", []),
     ("packages: installed where nobody asked", "CMakeLists.txt", "set(spantex_install_default OFF)", "set(spantex_install_default ON)", "packaging", "cmake_subdirectory", []),
