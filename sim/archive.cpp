@@ -60,15 +60,24 @@ search_path::search_path(const std::string& folder) : folder_(folder) {
   }
 }
 
+namespace {
+
+std::optional<found_file> found_in(const std::vector<archive>& archives, const std::string& name) {
+  for (const archive& a : archives)
+    if (std::optional<bytes> data = a.read(name)) return found_file{std::move(*data), a.path() + ": " + name};
+  return {};
+}
+
+}  // namespace
+
 std::optional<found_file> search_path::read(const std::string& name) const {
   const fs::path wanted(name);
   if (wanted.is_absolute() || std::find(wanted.begin(), wanted.end(), "..") != wanted.end()) return {};
+  if (std::optional<found_file> f = found_in(preferred_, name)) return f;
   std::error_code ignored;
   const std::string path = (fs::path(folder_) / wanted).string();
   if (fs::is_regular_file(path, ignored)) return found_file{read_file(path), path};
-  for (const archive& a : archives_)
-    if (std::optional<bytes> data = a.read(name)) return found_file{std::move(*data), a.path() + ": " + name};
-  return {};
+  return found_in(archives_, name);
 }
 
 }  // namespace spantex::sim

@@ -34,13 +34,13 @@ struct found_file {
 class search_path {
  public:
   explicit search_path(const std::string& folder);  // the folder and every readable .pk3 in it, by name
-  void prefer(archive a) { archives_.insert(archives_.begin(), std::move(a)); }
+  void prefer(archive a) { preferred_.push_back(std::move(a)); }  // before the folder
   // Empty if nowhere. A name with ".." or from the root is nowhere.
   std::optional<found_file> read(const std::string& name) const;
 
  private:
   std::string folder_;
-  std::vector<archive> archives_;
+  std::vector<archive> preferred_, archives_;
 };
 
 }  // namespace spantex::sim

@@ -465,6 +465,8 @@ GATES = [
     ("halves rounded towards zero", "sim/scene.hpp", "(rest >= 0.5) -", "(rest > 0.5) -", "world", "numbers*", WORLD),
     ("a level's vertices believed", "sim/level.cpp", "if (index >= count) throw damaged(k);", "if (index >= count) continue;", "quake_level", "damaged*", LEVELS),
     ("triangles of a level not counted", "sim/level.cpp", "if (triangles > most_triangles)", "if (triangles > most_triangles * 9)", "quake_level", "triangles_are*", LEVELS),
+    ("a level's own archive after the folder", "sim/archive.cpp", "  if (std::optional<found_file> f = found_in(preferred_, name)) return f;\n", "", "quake_level", "maps_of*", LEVELS),
+    ("maps of archives by small letters alone", "sim/level.cpp", "lower(fs::path(file).extension().string()) == \".bsp\"", "fs::path(file).extension() == \".bsp\"", "quake_level", "maps_of*", LEVELS),
     ("checksums of archives not read", "sim/archive.cpp", " || zip_fread(file.get(), &beyond, 1) != 0", "", "quake_level", "what_an_archive*", LEVELS),
     ("walks: balls of faces taken for smaller", "sim/tour.cpp", "reach = f.bound.radius + rounding", "reach = 0.1 * f.bound.radius + rounding", "quake_level", "a_walk*", LEVELS),
     ("walks through any number of places", "sim/tour.cpp", "most = 512", "most = 520", "quake_level", "a_walk*", LEVELS),

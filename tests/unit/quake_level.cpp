@@ -319,6 +319,9 @@ SPANTEX_CASE(maps_of_an_archive_are_found_in_any_case_and_listed_once) {
   f.write_archive("maps/b.pk3", {{"maps/one.bsp", map}, {"textures/a.png", cut}});
   why = refusal(path);
   assert_true(why.starts_with(path + ": textures/a.png: "));
+  fs::create_directories(f.path + "/maps/textures");
+  f.write("maps/textures/a.png", encode_png(image(16, 8, {10, 20, 30, 255})));
+  assert_true(refusal(path) == why);  // its own comes first
 }
 
 SPANTEX_CASE(a_walk_goes_where_nothing_is_in_the_way) {
