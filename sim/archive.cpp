@@ -41,7 +41,8 @@ std::optional<bytes> archive::read(const std::string& name) const {
   const std::unique_ptr<zip_file_t, int (*)(zip_file_t*)> file(zip_fopen_index(zip_.get(), zip_uint64_t(at), 0), zip_fclose);
   if (!file) throw bad("damaged or encrypted");
   bytes data(about.size);
-  if (zip_fread(file.get(), data.data(), data.size()) != zip_int64_t(data.size())) throw bad("damaged");
+  uint8_t beyond = 0;  // there is none; where the end is read the checksum is compared
+  if (zip_fread(file.get(), data.data(), data.size()) != zip_int64_t(data.size()) || zip_fread(file.get(), &beyond, 1) != 0) throw bad("damaged: not of the size or checksum that it has in the archive");
   return data;
 }
 
@@ -49,7 +50,7 @@ search_path::search_path(const std::string& folder) : folder_(folder) {
   std::vector<std::string> found;
   std::error_code ignored;
   for (const fs::directory_entry& e : fs::directory_iterator(folder, ignored))
-    if (e.path().extension() == ".pk3") found.push_back(e.path().string());
+    if (lower(e.path().extension().string()) == ".pk3") found.push_back(e.path().string());
   std::sort(found.begin(), found.end());
   for (std::string& path : found) {
     try {
@@ -59,14 +60,24 @@ search_path::search_path(const std::string& folder) : folder_(folder) {
   }
 }
 
-std::optional<bytes> search_path::read(const std::string& name) const {
+namespace {
+
+std::optional<found_file> found_in(const std::vector<archive>& archives, const std::string& name) {
+  for (const archive& a : archives)
+    if (std::optional<bytes> data = a.read(name)) return found_file{std::move(*data), a.path() + ": " + name};
+  return {};
+}
+
+}  // namespace
+
+std::optional<found_file> search_path::read(const std::string& name) const {
   const fs::path wanted(name);
   if (wanted.is_absolute() || std::find(wanted.begin(), wanted.end(), "..") != wanted.end()) return {};
+  if (std::optional<found_file> f = found_in(preferred_, name)) return f;
   std::error_code ignored;
-  if (fs::is_regular_file(fs::path(folder_) / wanted, ignored)) return read_file((fs::path(folder_) / wanted).string());
-  for (const archive& a : archives_)
-    if (std::optional<bytes> data = a.read(name)) return data;
-  return {};
+  const std::string path = (fs::path(folder_) / wanted).string();
+  if (fs::is_regular_file(path, ignored)) return found_file{read_file(path), path};
+  return found_in(archives_, name);
 }
 
 }  // namespace spantex::sim

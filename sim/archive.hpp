@@ -17,7 +17,7 @@ class archive {
   explicit archive(std::string path);  // throws input_error: unreadable, no archive
   const std::string& path() const { return path_; }
   std::vector<std::string> names() const;
-  // Empty if there is none of this name. Throws input_error: damaged, larger than max_file_bytes.
+  // Empty if there is none of this name. Throws input_error: damaged (its checksum is compared), larger than max_file_bytes.
   std::optional<bytes> read(const std::string& name) const;
 
  private:
@@ -26,16 +26,21 @@ class archive {
   std::unique_ptr<zip, closed> zip_;
 };
 
+struct found_file {
+  bytes data;
+  std::string name;  // with that of the archive or folder that holds it, for messages
+};
+
 class search_path {
  public:
   explicit search_path(const std::string& folder);  // the folder and every readable .pk3 in it, by name
-  void prefer(archive a) { archives_.insert(archives_.begin(), std::move(a)); }
+  void prefer(archive a) { preferred_.push_back(std::move(a)); }  // before the folder
   // Empty if nowhere. A name with ".." or from the root is nowhere.
-  std::optional<bytes> read(const std::string& name) const;
+  std::optional<found_file> read(const std::string& name) const;
 
  private:
   std::string folder_;
-  std::vector<archive> archives_;
+  std::vector<archive> preferred_, archives_;
 };
 
 }  // namespace spantex::sim

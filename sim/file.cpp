@@ -7,6 +7,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <filesystem>
 
 namespace spantex::sim {
@@ -84,6 +85,11 @@ void write_all(int fd, const uint8_t* data, size_t size, const std::string& path
 }
 
 }  // namespace
+
+std::string lower(std::string name) {
+  std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return char(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c); });
+  return name;
+}
 
 bool same_output(const std::string& a, const std::string& b) {
   const fs::path p = resolved(a), q = resolved(b);

@@ -39,6 +39,9 @@ class output_file {
   std::string path_;
 };
 
+// ASCII letters as small ones: names whose case is ignored.
+std::string lower(std::string name);
+
 // Whether writing both would replace one file twice: the same path after links and dots. Devices and pipes take any number.
 bool same_output(const std::string& a, const std::string& b);
 

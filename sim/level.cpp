@@ -36,6 +36,7 @@ enum : size_t { entities_lump, textures_lump, vertices_lump = 10, indices_lump, 
 enum face_type : uint32_t { polygon_face = 1, patch_face, mesh_face };
 constexpr uint32_t sky = 0x4, not_drawn = 0x80;  // surface flags of a texture
 constexpr size_t texture_name_bytes = 64;
+constexpr uint64_t most_triangles = 1 << 20;
 
 struct bsp {
   std::string name;
@@ -67,18 +68,37 @@ struct face_reader {
 
   input_error damaged(size_t face) const { return input_error(map.name + ": damaged: face " + std::to_string(face) + " names what is not there"); }
 
+  // Counted before they are made: faces may be made of the same vertices, so that a small file names any number of triangles.
   void read() {
+    uint64_t triangles = 0;
+    for (size_t k = 0; k < faces.count; ++k) triangles += triangles_of(k);
+    if (triangles > most_triangles) throw input_error(map.name + ": " + std::to_string(triangles) + " triangles, more than " + std::to_string(most_triangles));
+    out.reserve(size_t(triangles));
     for (size_t k = 0; k < faces.count; ++k) {
-      const uint32_t texture = faces.u32(k, 0), type = faces.u32(k, 8);
-      if (texture >= textures.count) throw damaged(k);
-      if ((textures.u32(texture, texture_name_bytes) & (sky | not_drawn)) != 0) continue;
-      if (!vertices.holds(faces.u32(k, 12), faces.u32(k, 16)) || !indices.holds(faces.u32(k, 20), faces.u32(k, 24))) throw damaged(k);
-      if (type == polygon_face || type == mesh_face) read_triangles(k, int(texture));
-      if (type == patch_face) read_patches(k, int(texture));
+      if (triangles_of(k) == 0) continue;
+      if (faces.u32(k, 8) == patch_face) read_patches(k, int(faces.u32(k, 0)));
+      else read_triangles(k, int(faces.u32(k, 0)));
     }
   }
 
  private:
+  static constexpr size_t patch_steps = 4;
+
+  // None of a face that is not drawn.
+  uint64_t triangles_of(size_t k) const {
+    const uint32_t texture = faces.u32(k, 0), type = faces.u32(k, 8);
+    if (texture >= textures.count) throw damaged(k);
+    if ((textures.u32(texture, texture_name_bytes) & (sky | not_drawn)) != 0) return 0;
+    if (!vertices.holds(faces.u32(k, 12), faces.u32(k, 16)) || !indices.holds(faces.u32(k, 20), faces.u32(k, 24))) throw damaged(k);
+    if (type == polygon_face || type == mesh_face) return faces.u32(k, 24) / 3;
+    if (type != patch_face) return 0;
+    const size_t width = faces.u32(k, 96), height = faces.u32(k, 100);
+    constexpr size_t most = 1025;
+    const bool good = width >= 3 && height >= 3 && width % 2 == 1 && height % 2 == 1 && width <= most && height <= most && width * height <= faces.u32(k, 16);
+    if (!good) throw damaged(k);
+    return (width / 2) * (height / 2) * 2 * patch_steps * patch_steps;
+  }
+
   world_vertex at(size_t k) const {
     const world_vertex v{y_up(vertices.f32(k, 0), vertices.f32(k, 4), vertices.f32(k, 8)), vertices.f32(k, 12), vertices.f32(k, 16)};
     for (const double x : {v.position[0], v.position[1], v.position[2], v.u, v.v})
@@ -102,15 +122,12 @@ struct face_reader {
   // A grid of control points, odd x odd: every 3x3 of them, neighbours sharing a row, are a biquadratic Bezier patch.
   void read_patches(size_t k, int texture) {
     const size_t first = faces.u32(k, 12), width = faces.u32(k, 96), height = faces.u32(k, 100);
-    constexpr size_t most = 1025;
-    const bool good = width >= 3 && height >= 3 && width % 2 == 1 && height % 2 == 1 && width <= most && height <= most && width * height <= faces.u32(k, 16);
-    if (!good) throw damaged(k);
     for (size_t j = 0; j + 2 < height; j += 2)
       for (size_t i = 0; i + 2 < width; i += 2) add_patch(first + j * width + i, width, texture);
   }
 
   void add_patch(size_t corner, size_t stride, int texture) {
-    constexpr size_t steps = 4;
+    constexpr size_t steps = patch_steps;
     world_vertex grid[steps + 1][steps + 1];
     for (size_t j = 0; j <= steps; ++j)
       for (size_t i = 0; i <= steps; ++i) grid[j][i] = on_patch(corner, stride, double(i) / steps, double(j) / steps);
@@ -177,7 +194,7 @@ std::vector<vector3d> places_of(std::string_view text) {
 
 std::optional<image> picture_of(const search_path& files, const std::string& texture) {
   for (const char* const end : {"", ".tga", ".jpg", ".jpeg", ".png"})
-    if (const std::optional<bytes> data = files.read(texture + end)) return decode_image(data->data(), data->size(), texture + end);
+    if (const std::optional<found_file> f = files.read(texture + end)) return decode_image(f->data.data(), f->data.size(), f->name);
   return {};
 }
 
@@ -198,20 +215,24 @@ std::string texture_name(const lump& textures, size_t k) {
   return name;
 }
 
-std::string map_names(const std::vector<std::string>& maps) {
+// The files of an archive's maps by their names in small letters, of several of one name the first.
+using archive_maps = std::map<std::string, std::string>;
+
+std::string names_of(const archive_maps& maps) {
   std::string text;
-  for (const std::string& m : maps) text += (text.empty() ? "" : ", ") + fs::path(m).stem().string();
+  for (const auto& [name, file] : maps) text += (text.empty() ? "" : ", ") + fs::path(file).stem().string();
   return text;
 }
 
 bytes map_in(const archive& a, const std::string& wanted) {
-  std::vector<std::string> maps;
-  for (const std::string& name : a.names())
-    if (fs::path(name).extension() == ".bsp" && (wanted.empty() || fs::path(name).stem() == wanted)) maps.push_back(name);
-  if (maps.empty() && wanted.empty()) throw input_error(a.path() + ": no map (.bsp) in the archive");
-  if (maps.empty()) throw input_error(a.path() + ": no map '" + wanted + "'; there are " + map_names(a.names()));
-  if (maps.size() > 1) throw input_error(a.path() + ": many maps, choose one by --map: " + map_names(maps));
-  return *a.read(maps.front());
+  archive_maps maps;
+  for (const std::string& file : a.names())
+    if (lower(fs::path(file).extension().string()) == ".bsp") maps.try_emplace(lower(fs::path(file).stem().string()), file);
+  if (maps.empty()) throw input_error(a.path() + ": no map (.bsp) in the archive");
+  if (wanted.empty() && maps.size() > 1) throw input_error(a.path() + ": many maps, choose one by --map: " + names_of(maps));
+  const auto found = wanted.empty() ? maps.begin() : maps.find(lower(wanted));
+  if (found == maps.end()) throw input_error(a.path() + ": no map '" + wanted + "'; there are " + names_of(maps));
+  return *a.read(found->second);
 }
 
 level read_level(const std::string& name, const bytes& file, const search_path& files, const model_options& options) {
@@ -237,11 +258,11 @@ level read_level(const std::string& name, const bytes& file, const search_path& 
 
 }  // namespace
 
-bool is_level(const std::string& path) { return path.ends_with(".bsp") || path.ends_with(".pk3"); }
+bool is_level(const std::string& path) { return lower(path).ends_with(".bsp") || lower(path).ends_with(".pk3"); }
 
 level load_level(const std::string& path, const std::string& map, const model_options& options) {
   fs::path folder = fs::path(path).has_parent_path() ? fs::path(path).parent_path() : fs::path(".");
-  if (path.ends_with(".pk3")) {
+  if (lower(path).ends_with(".pk3")) {
     archive own(path);
     const bytes file = map_in(own, map);
     search_path files(folder.string());

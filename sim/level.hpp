@@ -22,14 +22,15 @@ struct level {
   std::vector<std::string> missing;   // textures that are grey
 };
 
-bool is_level(const std::string& path);  // by its end: .bsp, .pk3
+bool is_level(const std::string& path);  // by its end, of any case: .bsp, .pk3
 
-// `map`: which one of an archive, without folder and .bsp; may be empty if there is one only. Throws input_error: unreadable, not a map, damaged, nothing to
-// draw, a texture that is no picture.
+// `map`: which one of an archive, without folder and .bsp, in any case; may be empty if there is one only. Throws input_error: unreadable, not a map, damaged, nothing to
+// draw, a texture that is no picture, more than 2^20 triangles (1.5 GB with what a frame sets up of them; the largest of OpenArena's levels has 41 151).
 level load_level(const std::string& path, const std::string& map, const model_options& options);
 
 // A walk from place to place, the nearest that can be seen from the last one, eyes ahead; a leap where none can. Frames are equally far apart.
-// Throws input_error: no place.
+// Through the first 512 places, fewer where there are more than 32768 faces (90 of 2^20), so that it takes seconds; OpenArena's levels have 198 at most, of 34 497 faces.
+// `l` as its world was measured. Throws input_error: no place.
 std::vector<viewpoint> tour(const level& l, int frames);
 
 }  // namespace spantex::sim

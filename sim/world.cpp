@@ -16,14 +16,6 @@ constexpr double engine_radius = 256;       // the world is scaled so that its r
 constexpr double farthest_radii = 100;      // 25600 < 2^15
 constexpr double nearest_radii = 1.0 / 4096;
 
-vector3d operator+(const vector3d& a, const vector3d& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
-vector3d operator-(const vector3d& a, const vector3d& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
-vector3d operator*(const vector3d& a, double k) { return {a[0] * k, a[1] * k, a[2] * k}; }
-double dot(const vector3d& a, const vector3d& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-double length(const vector3d& a) { return sqrt(dot(a, a)); }
-vector3d cross(const vector3d& a, const vector3d& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
 vector3d unit(const vector3d& a) { return a * (1 / length(a)); }
 
 struct frame { vector3d eye, right, down, forward; };

@@ -1,17 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // Textured convex faces in world space (right-handed, y up) and cameras that look at them.
 #pragma once
-#include <array>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "scene.hpp"
+#include "vector3d.hpp"
 
 namespace spantex::sim {
-
-using vector3d = std::array<double, 3>;
 
 struct world_vertex {
   vector3d position;

@@ -32,9 +32,9 @@ def bmp_header(width, height):
     return b"BM" + struct.pack("<IHHIIiiHHIIiiII", 54 + width * height * 3, 0, 0, 54, 40, width, height, 1, 24, 0, 0, 0, 0, 0, 0)
 
 
-def archive(files):
+def archive(files, kind=zipfile.ZIP_DEFLATED):
     data = io.BytesIO()
-    with zipfile.ZipFile(data, "w", zipfile.ZIP_DEFLATED) as a:
+    with zipfile.ZipFile(data, "w", kind) as a:
         for name, content in files.items():
             a.writestr(name, content)
     return data.getvalue()
@@ -78,6 +78,7 @@ def make_inputs(folder):
         "plain.obj": QUAD_WITHOUT_UV.encode(), "garbage.obj": b"\x00\x01\x02 nonsense", "garbage.xyz": b"nonsense",
         "short.bsp": b"IBSP", "old.bsp": b"IBSP" + struct.pack("<35i", 29, *[0] * 34), "cut.bsp": b"IBSP" + struct.pack("<35i", 46, 144, 1, *[0] * 32), "void.bsp": EMPTY_LEVEL,
         "garbage.pk3": b"nonsense", "none.pk3": archive({"a.txt": b"a"}), "two.pk3": archive({"maps/one.bsp": EMPTY_LEVEL, "maps/two.bsp": EMPTY_LEVEL}),
+        "flipped.pk3": archive({"maps/one.bsp": EMPTY_LEVEL}, zipfile.ZIP_STORED).replace(EMPTY_LEVEL, EMPTY_LEVEL[:-1] + b"\1"),
         "short.path": b"# eye, target\n1,2,3\n", "empty.path": b"# nothing\n", "one.path": b"1,2,3,0,0,0\n",
         "points.obj": b"v 0 0 0\nv 1 0 0\nvt 0 0\n",
         "lost.obj": QUAD_WITH_UV.replace("m.mtl", "lost.mtl").encode(), "lost.mtl": b"newmtl m\nKd 1 1 1\nmap_Kd lost_texture.png\n",
@@ -229,6 +230,7 @@ CASES = [
     (render("two.pk3"), ["two.pk3", "--map", "one", "two"]),
     (render("two.pk3", "--map", "three"), ["two.pk3", "three", "one", "two"]),
     (render("two.pk3", "--map", "one"), ["two.pk3", "one", "nothing to draw"]),
+    (render("flipped.pk3"), ["flipped.pk3", "maps/one.bsp", "checksum"]),
     (render("void.bsp", "--map", "one"), ["void.bsp", "--map"]),
     (render("textured.obj", "--map", "one"), ["--map", "textured.obj"]),
     (render("textured.obj", "--order", "far"), ["--order", "far"]),

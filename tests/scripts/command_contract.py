@@ -286,7 +286,7 @@ def level_bytes(texture):
         indices += struct.pack("<6i", 0, 1, 2, 2, 1, 3)
         faces += struct.pack("<7i76x", 0, 0, 1, 4 * k, 4, 6 * k, 6)
     places = b"".join(b'{ "classname" "info_player_start" "origin" "%d 128 24" }\n' % x for x in (40, 216))
-    lumps = {0: places, 1: texture.encode().ljust(64, b"\0") + bytes(8), 10: vertices, 11: indices, 13: faces}
+    lumps = {0: places, 1: texture.encode("latin-1").ljust(64, b"\0") + bytes(8), 10: vertices, 11: indices, 13: faces}
     table, body = b"", b""
     for k in range(17):
         table += struct.pack("<2i", 144 + len(body), len(lumps.get(k, b"")))
@@ -295,7 +295,7 @@ def level_bytes(texture):
 
 
 def test_levels(folder):
-    """From an archive, its texture from another beside it: a walk whose frames differ, the same bytes in either order and by engine and kernel; statistics of each frame; a path."""
+    """From an archive, its texture from another beside it: a walk whose frames differ, the same bytes in either order and by engine and kernel; statistics of each frame and of textures that are missing; a path."""
     with zipfile.ZipFile(folder / "maps.pk3", "w") as a:
         a.writestr("maps/room.bsp", level_bytes("textures/wall"))
         a.writestr("maps/other.bsp", b"")
@@ -310,6 +310,11 @@ def test_levels(folder):
     stats = json.loads((folder / "w.json").read_text())["frames"]
     for f in stats:
         assert f["pixels_shown"] == 64 * 48 <= f["pixels"] <= f["pixels_tested"] and 1 <= f["polygons"] <= 12 and f["words_loaded"] > 0, f
+    assert json.loads((folder / "w.json").read_text())["textures_missing"] == []
+    with zipfile.ZipFile(folder / "bare.pk3", "w") as a:
+        a.writestr("MAPS/Bare.BSP", level_bytes("textures/stra\xdfe"))  # no UTF-8
+    done("render", "bare.pk3", "--map", "bare", "--size", "32x24", "--out", "o.png", "--stats", "b.json", cwd=folder)
+    assert json.loads((folder / "b.json").read_text())["textures_missing"] == ["textures/stra\ufffde"]
     for more in (["--kernel", "scalar"], ["--order", "file"], ["--engine", "sim"], ["--order", "depths"], ["--order", "depths", "--kernel", "scalar", "--threads", "3"]):
         done(*level, "--frames", "4", "--out", "v%d.png", "--stats", "v.json", *more, cwd=folder)
         assert [(folder / f"v{k}.png").read_bytes() for k in range(4)] == frames, more

@@ -222,6 +222,18 @@ def installed_headers(folder):
         expect((prefix / name).is_file(), f"make install: {name} is missing")
 
 
+def headers_alone(folder):
+    """Installed without a build, as docs/INTEGRATION.md says it, found by CMake and pkg-config; no library, and none asked for."""
+    said = re.search(r"the headers alone, [^`]*`cmake -S \. -B (\S+) (\S+) && cmake --install \1`", (ROOT / "docs/INTEGRATION.md").read_text())
+    expect(said, "docs/INTEGRATION.md does not say how to install the headers alone")
+    build, prefix = folder / "headers/build", folder / "headers/prefix"
+    run("cmake", "-S", ROOT, "-B", build, said[2])
+    run("cmake", "--install", build, "--prefix", prefix)
+    expect((prefix / "include/spantex/spantex/spantex.hpp").is_file() and not list(prefix.rglob("*.a")), "the headers alone: not installed, or not alone")
+    expect("-l" not in run("pkg-config", "--libs", "spantex", PKG_CONFIG_PATH=str(prefix / "lib/pkgconfig")), "the headers alone: spantex.pc asks for a library")
+    expect_pictures(folder, cmake_project(outside(folder / "headers/found"), "find_package(spantex REQUIRED)", configure=[f"-DCMAKE_PREFIX_PATH={prefix}"]), "the headers alone")
+
+
 def uninstall(folder):
     build, stage = folder / "uninstall/build", folder / "uninstall/stage"
     build.mkdir(parents=True)
@@ -425,7 +437,7 @@ def c_interface_in_one(folder):
     run(one / "program")
 
 
-CHECKS = [c_interface, one_header, older_standard, version_agrees, manifests, man_page, cmake_subdirectory, cmake_fetch_content, cmake_installed, pkg_config, installed_headers, uninstall,
+CHECKS = [c_interface, one_header, older_standard, version_agrees, manifests, man_page, cmake_subdirectory, cmake_fetch_content, cmake_installed, pkg_config, installed_headers, headers_alone, uninstall,
           one_header_on_m4, bare_metal, arduino, pico, lvgl, platformio, esp_idf, zephyr, zephyr_kconfig, c_interface_in_one]
 NEEDS = ["cmake", "pkg-config", "clang++", "arm-none-eabi-g++", "qemu-system-arm", "arduino-builder"]
 

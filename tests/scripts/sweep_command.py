@@ -6,6 +6,7 @@ import json
 import math
 import os
 import pathlib
+import resource
 import signal
 import subprocess
 import sys
@@ -38,7 +39,8 @@ REFUSED = [  # what is replaced in GOOD as it is written, what it is replaced by
     ('"subtexel_bits": [\n     2,', '"subtexel_bits": [\n     "02",', "'02' is not a whole number"), ('"level_bits": [\n     2,', '"level_bits": [\n     NaN,', "not JSON"),
     ('"subtexel_bits": [\n     2,', '"subtexel_bits": [\n     2.5,', "must be a whole number"), ('"subtexel_bits": [\n     2,', '"subtexel_bits": [\n     99999999999999999999,', "must be a whole number"),
     ('"profile": "exact"', '"scene": "fig8"', "listed under 'scenes'"), ('"cost"', '"twin"', "measure 'twin' twice"), ('"name": "grid"', '"name": "a\\u0000b"', "control character"),
-    ('"name": "t"', '"name": 5', "'name' must be a text"), ('"fine_side"', '"fine\\nside"', "unknown axis 'fine?side'"), ('"points": 5', '"points": ' + "[" * 50000, "not JSON at '..."),
+    ('"name": "t"', '"name": 5', "'name' must be a text"), ('"fine_side"', '"fine\\nside"', "unknown axis 'fine?side'"), ('"points": 5', '"points": ' + "[" * 50000, "brackets deeper than 64"),
+    ('"points": 5', '"points": ' + "[" * 60, "not JSON at '..."),
     ('"profile": "exact"', '"map": "missing.png"', "missing.png"), ('"points": 5', '"points": 5,,', "not JSON"), ('"points": 5', '"points": 5, "points": 6', "'points' twice"),
 ]
 
@@ -106,6 +108,17 @@ def the_same_rows(folder):
     return record.load(one)
 
 
+def merging_takes_what_is_read(folder):
+    """One row of a study of 10^9 points, with an address space in which a byte a point has no room; not under the address sanitizer, whose shadow memory alone is larger."""
+    limit = None if os.environ.get("SPANTEX_SANITIZED") else lambda: resource.setrlimit(resource.RLIMIT_AS, (512 << 20, 512 << 20))
+    spec = write(folder, {"name": "t", "size": "64x48", "parts": [{"name": "a", "sample": "random", "points": 10**9, "axes": {"subtexel_bits": [1, 2]}}]})
+    heading = (folder / "one.csv").read_text().splitlines()[0]
+    point = run("sweep", spec, "--points", "--job", "1/9999999").stdout.splitlines()[1]
+    (folder / "part.csv").write_text(heading + "\n" + point + "," * (heading.count(",") - point.count(",")) + "\n")
+    done = subprocess.run([str(BINARY), "sweep", str(spec), "--merge", "part.csv", "--out", "merged.csv"], capture_output=True, text=True, cwd=folder, preexec_fn=limit)
+    assert (done.returncode, done.stderr) == (2, "spantex: merged.csv: 999999999 of 1000000000 points are missing, the first is 1: nothing written\n"), done
+
+
 def killed_and_continued(folder, whole):
     spec, out = write(folder, dict(GOOD, size="160x120")), folder / "killed.csv"
     reference = folder / "reference.csv"
@@ -162,6 +175,7 @@ def main():
         exact_line(folder)
         rows = the_same_rows(folder)
         measures(rows)
+        merging_takes_what_is_read(folder)
         killed_and_continued(folder, rows)
         equal_pictures_have_no_error(folder)
         banks_and_ports_cost_cycles_only(folder)

@@ -2,11 +2,14 @@
 // Levels of Quake III: a small map made here, whole and damaged; a walk through it. What depth complexity costs in texture words and filtered pixels, drawn
 // nearest first with floors, against every surface's own visible pixels: of a stack, and of frames of real levels where their package is installed.
 #include <unistd.h>
+#include <zip.h>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <filesystem>
 #include <string>
+#include <utility>
 
 #include <sim/level.hpp>
 #include <tests/support.hpp>  // last: cmocka's macro fail is a name of the standard library's
@@ -156,6 +159,17 @@ bytes bsp_texture(const std::string& name, uint32_t flags) {
   return t;
 }
 
+bytes bsp_file(const bytes (&lumps)[17]) {
+  bytes file{'I', 'B', 'S', 'P'}, body;
+  append(file, little_endian({46}));
+  for (const bytes& l : lumps) {
+    append(file, little_endian({uint32_t(8 + 8 * 17 + body.size()), uint32_t(l.size())}));
+    append(body, l);
+  }
+  append(file, body);
+  return file;
+}
+
 // A square as a polygon of two triangles, a flat patch of nine points, and the square once more as sky.
 bytes small_map() {
   bytes lumps[17];
@@ -170,14 +184,18 @@ bytes small_map() {
   append(lumps[13], bsp_face(0, 1, 0, 4, 0, 6, 0, 0));
   append(lumps[13], bsp_face(0, 2, 4, 9, 0, 0, 3, 3));
   append(lumps[13], bsp_face(1, 1, 0, 4, 0, 6, 0, 0));
-  bytes file{'I', 'B', 'S', 'P'}, body;
-  append(file, little_endian({46}));
-  for (const bytes& l : lumps) {
-    append(file, little_endian({uint32_t(8 + 8 * 17 + body.size()), uint32_t(l.size())}));
-    append(body, l);
-  }
-  append(file, body);
-  return file;
+  return bsp_file(lumps);
+}
+
+// Faces that are all made of the same triangles, or of the same patch.
+bytes map_of_equal_faces(uint32_t type, int count) {
+  constexpr uint32_t side = 65, triangles = 1024;
+  bytes lumps[17];
+  lumps[1] = bsp_texture("textures/a", 0);
+  for (uint32_t k = 0; k < side * side; ++k) append(lumps[10], bsp_vertex(float(k % side), float(k / side), 0, 0, 0));
+  for (uint32_t k = 0; k < triangles; ++k) append(lumps[11], little_endian({k, k + 1, k + side}));
+  for (int k = 0; k < count; ++k) append(lumps[13], bsp_face(0, type, 0, side * side, 0, 3 * triangles, side, side));
+  return bsp_file(lumps);
 }
 
 struct folder {
@@ -185,7 +203,26 @@ struct folder {
   folder() { fs::create_directories(path + "/maps"), fs::create_directories(path + "/textures"); }
   ~folder() { fs::remove_all(path); }
   void write(const std::string& name, const bytes& data) const { output_file(path + "/" + name).write(data); }
+  // As they are, not compressed.
+  void write_archive(const std::string& name, const std::vector<std::pair<std::string, bytes>>& files) const {
+    zip_t* const z = zip_open((path + "/" + name).c_str(), ZIP_CREATE | ZIP_TRUNCATE, nullptr);
+    for (const auto& [file, data] : files) {
+      const zip_int64_t at = zip_file_add(z, file.c_str(), zip_source_buffer(z, data.data(), data.size(), 0), 0);
+      zip_set_file_compression(z, zip_uint64_t(at), ZIP_CM_STORE, 0);
+    }
+    assert_int_equal(zip_close(z), 0);
+  }
 };
+
+// Why a level is refused; empty if it is not.
+std::string refusal(const std::string& path, const std::string& map = "") {
+  try {
+    (void)load_level(path, map, {});
+  } catch (const input_error& e) {
+    return e.what();
+  }
+  return {};
+}
 
 SPANTEX_CASE(a_map_is_read_with_its_patches_and_places) {
   static folder f;
@@ -216,12 +253,7 @@ SPANTEX_CASE(damaged_maps_are_refused) {
   static bytes map;
   const auto refused = [&] {
     f.write("maps/m.bsp", map);
-    try {
-      (void)load_level(f.path + "/maps/m.bsp", "", {});
-    } catch (const input_error&) {
-      return true;
-    }
-    return false;
+    return !refusal(f.path + "/maps/m.bsp").empty();
   };
   const bytes good = small_map();
   map = good;
@@ -243,12 +275,62 @@ SPANTEX_CASE(damaged_maps_are_refused) {
   assert_in_range(refusals, 100, 1999);
 }
 
+SPANTEX_CASE(triangles_are_counted_before_they_are_made) {
+  static folder f;
+  static std::string why;
+  constexpr uint32_t patch = 2, mesh = 3;
+  f.write("m.bsp", map_of_equal_faces(mesh, 5));
+  assert_true(refusal(f.path + "/m.bsp").empty());
+  f.write("m.bsp", map_of_equal_faces(mesh, 1025));
+  why = refusal(f.path + "/m.bsp");
+  assert_true(why == f.path + "/m.bsp: 1049600 triangles, more than 1048576");
+  f.write("m.bsp", map_of_equal_faces(patch, 33));
+  why = refusal(f.path + "/m.bsp");
+  assert_true(why == f.path + "/m.bsp: 1081344 triangles, more than 1048576");
+}
+
+SPANTEX_CASE(what_an_archive_holds_is_as_its_checksum_says) {
+  static folder f;
+  static bytes file;
+  static std::string why;
+  const bytes map = small_map();
+  f.write_archive("a.pk3", {{"maps/m.bsp", map}});
+  assert_true(refusal(f.path + "/a.pk3").empty());
+  file = read_file(f.path + "/a.pk3");
+  const auto at = std::search(file.begin(), file.end(), map.begin(), map.end());
+  assert_true(at != file.end());
+  at[std::ptrdiff_t(map.size()) - 4] ^= 1;
+  f.write("a.pk3", file);
+  why = refusal(f.path + "/a.pk3");
+  assert_true(why.starts_with(f.path + "/a.pk3: maps/m.bsp: damaged"));
+}
+
+SPANTEX_CASE(maps_of_an_archive_are_found_in_any_case_and_listed_once) {
+  static folder f;
+  static std::string path, why;
+  path = f.path + "/maps/b.pk3";
+  const bytes map = small_map(), cut = [] { bytes p = encode_png(image(16, 8, {10, 20, 30, 255})); p.resize(p.size() / 2); return p; }();
+  f.write_archive("maps/b.pk3", {{"readme.txt", map}, {"MAPS/One.BSP", map}, {"maps/two.bsp", map}, {"more/two.bsp", map}});
+  assert_true(refusal(path, "one").empty() && refusal(path, "Two").empty());
+  why = refusal(path, "three");
+  assert_true(why == path + ": no map 'three'; there are One, two");
+  why = refusal(path);
+  assert_true(why == path + ": many maps, choose one by --map: One, two");
+  f.write_archive("maps/b.pk3", {{"maps/one.bsp", map}, {"textures/a.png", cut}});
+  why = refusal(path);
+  assert_true(why.starts_with(path + ": textures/a.png: "));
+  fs::create_directories(f.path + "/maps/textures");
+  f.write("maps/textures/a.png", encode_png(image(16, 8, {10, 20, 30, 255})));
+  assert_true(refusal(path) == why);  // its own comes first
+}
+
 SPANTEX_CASE(a_walk_goes_where_nothing_is_in_the_way) {
   static level l;
   const auto wall = [](double x) {  // across the z axis' plane, from the floor up
     return world_face{{{{x, -100, -100}, 0, 0}, {{x, 300, -100}, 0, 0}, {{x, -100, 300}, 0, 0}}, 0};
   };
   l = {{"walk", nullptr, {wall(50)}, {}, 0}, {{0, 0, 0}, {100, 0, 0}, {0, 0, 40}, {100, 0, 40}}, {}};
+  l.drawn.measure();
   int crossings = 0;
   static std::vector<viewpoint> views;
   views = tour(l, 80);
@@ -258,6 +340,10 @@ SPANTEX_CASE(a_walk_goes_where_nothing_is_in_the_way) {
   for (const viewpoint& v : views) assert_true(v.eye[0] == 0 || v.eye[0] == 100);
   l.places.resize(1);
   assert_true((tour(l, 4)[0].eye == vector3d{0, 0, 0}));
+  l.places.clear();
+  for (int k = 0; k < 30000; ++k) l.places.push_back({-2.0 * k, 0, 0});
+  views = tour(l, 1022);
+  assert_true(std::fabs(views.back().eye[0] + 1021) < 1e-6);  // through the first 512
 }
 
 }  // namespace
@@ -268,6 +354,9 @@ int main() {
       cmocka_unit_test(frames_of_levels_cost_at_most_three_tenths_more_than_their_visible_pixels),
       cmocka_unit_test(a_map_is_read_with_its_patches_and_places),
       cmocka_unit_test(damaged_maps_are_refused),
+      cmocka_unit_test(triangles_are_counted_before_they_are_made),
+      cmocka_unit_test(what_an_archive_holds_is_as_its_checksum_says),
+      cmocka_unit_test(maps_of_an_archive_are_found_in_any_case_and_listed_once),
       cmocka_unit_test(a_walk_goes_where_nothing_is_in_the_way),
   };
   return run_suite("quake_level", tests);

@@ -27,10 +27,11 @@ void add_sweep_command(CLI::App& app);
 // GCK09's four pictures of a scene of the chessboard into the folder, and their table; profile and background of `how` count.
 void chessboard_experiment(const sim::scene& s, sim::draw_options how, const std::string& folder);
 
-// What --stats writes.
+// What --stats writes. `textures_missing`: of a level (level.hpp).
 std::string stats_help(const std::string& what);
 nlohmann::ordered_json work_json(const sim::draw_result& r);  // what was done and skipped, of the whole picture
-std::string stats_json(const sim::draw_result& r, const sim::draw_options& o, std::optional<double> psnr_db);
+std::string stats_json(const sim::draw_result& r, const sim::draw_options& o, std::optional<double> psnr_db,
+                       const std::vector<std::string>* textures_missing = nullptr);
 
 // Draws with a progress bar.
 sim::draw_result draw_with_bar(const sim::scene& s, sim::draw_options o, sim::frame_before* before = nullptr);

@@ -50,7 +50,7 @@ nlohmann::ordered_json work_json(const sim::draw_result& r) {
   return j;
 }
 
-std::string stats_json(const sim::draw_result& r, const sim::draw_options& o, std::optional<double> psnr_db) {
+std::string stats_json(const sim::draw_result& r, const sim::draw_options& o, std::optional<double> psnr_db, const std::vector<std::string>* textures_missing) {
   nlohmann::ordered_json j;
   j["profile"] = std::string(sim::name_of(sim::profile_names, o.profile));
   j["filter"] = std::string(sim::name_of(sim::filter_names, o.kind));
@@ -81,7 +81,8 @@ std::string stats_json(const sim::draw_result& r, const sim::draw_options& o, st
   }
   // Equal pictures have no finite PSNR: null.
   if (psnr_db) j["psnr_db"] = std::isfinite(*psnr_db) ? nlohmann::ordered_json(*psnr_db) : nlohmann::ordered_json();
-  return j.dump(2) + "\n";
+  if (textures_missing != nullptr) j["textures_missing"] = *textures_missing;
+  return j.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";  // a level's names are any bytes
 }
 
 sim::draw_result draw_with_bar(const sim::scene& s, sim::draw_options o, sim::frame_before* before) {

@@ -120,6 +120,8 @@ struct subject_options {
     // A level without a camera of its own: frames are a walk, not a turntable. Seen from its first place where one frame is asked for.
     bool walks() const { return walks_; }
     bool is_model() const { return world_ != nullptr; }
+    // A level's textures that have no picture and are grey; null for what is no level.
+    const std::vector<std::string>* textures_missing() const { return level_ ? &level_->missing : nullptr; }
     sim::scene seen_from(const sim::viewpoint& v) const;
     std::vector<sim::viewpoint> walk(int frames) const { return sim::tour(*level_, frames); }
 

@@ -117,7 +117,7 @@ void run(const render_options& o) {
     const sim::draw_result r = draw_with_bar(s, drawing, keeps ? &before : nullptr);
     std::optional<double> psnr_db;
     if (o.psnr) psnr_db = reference_psnr_db(s, r.picture, drawing.background);
-    if (k == 0) report = nlohmann::ordered_json::parse(stats_json(r, drawing, psnr_db));
+    if (k == 0) report = nlohmann::ordered_json::parse(stats_json(r, drawing, psnr_db, subject.textures_missing()));
     if (stats.wanted() && files.size() > 1) frames.push_back(frame_json(s, r, set_up_ns));
     files[k].write(sim::encode_png(r.picture));
     if (psnr_db) printf("%s: PSNR against the reference: %.2f dB\n", files[k].path().c_str(), *psnr_db);
@@ -138,7 +138,7 @@ void add_render_command(CLI::App& app) {
   sub.add_option("--frames", o->frames, "so many pictures: of a level a walk through it, else a turntable, the camera turned once around");
   sub.add_option("--path", o->path, "a file of cameras, a frame a line: x,y,z of the eye, x,y,z of what it looks at");
   o->drawing.add_to(sub, true);
-  sub.add_option("--stats", o->stats, stats_help("counts and times (of the first frame; where there are more, of each under 'frames') as JSON"));
+  sub.add_option("--stats", o->stats, stats_help("counts and times (of the first frame; where there are more, of each under 'frames') as JSON; of a level 'textures_missing': those that have no picture and are grey"));
   sub.add_option("--reference", o->reference, "the reference's own picture (of the first frame), PNG");
   sub.add_flag("--psnr", o->psnr, "compare with the 16x16 supersampled double-precision reference");
   sub.callback([o] { run(*o); });

@@ -87,9 +87,11 @@ class spec_reader final : public nlohmann::json::json_sax_t {
     return true;
   }
   bool open(spec_node::kind what) {
+    constexpr size_t most = 64;  // a specification needs five; what is nested is destroyed by recursion
     spec_node node;
     node.what = what;
     node.line = lines_.before_last;
+    if (open_.size() == most) refuse(file_, node, "brackets deeper than " + std::to_string(most));
     open_.push_back(put(std::move(node)));
     return true;
   }

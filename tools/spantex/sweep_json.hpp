@@ -24,7 +24,7 @@ struct spec_node {
   const spec_node* find(const std::string& name) const;
 };
 
-// One document. Throws sim::input_error "file:line: reason": syntax, a name twice, nothing but comments.
+// One document. Throws sim::input_error "file:line: reason": syntax, a name twice, nothing but comments, brackets deeper than 64.
 spec_node parse_spec(const std::string& file, const std::string& text);
 
 // Throws sim::input_error "file:line: reason".

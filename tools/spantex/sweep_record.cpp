@@ -14,6 +14,7 @@
 #include <algorithm>
 #include <fstream>
 #include <functional>
+#include <map>
 
 #include <sim/file.hpp>
 
@@ -173,24 +174,22 @@ void sweep_record::finish() {
 
 void merge_records(const sweep_spec& spec, const std::vector<std::string>& paths, const std::string& out) {
   const sim::output_file merged(out);
-  struct origin { size_t file = SIZE_MAX; int line = 0; };
-  std::vector<origin> found(size_t(spec.points()));
-  std::vector<std::string> rows(size_t(spec.points()));
+  struct found_row { size_t file; int line; std::string text; };
+  std::map<uint64_t, found_row> rows;
   for (size_t f = 0; f < paths.size(); ++f)
     read_record(paths[f], spec, [&](const row_place& row) {
-      origin& o = found[size_t(row.number)];
+      const auto [at, is_new] = rows.try_emplace(row.number, found_row{f, row.line, row.text});
+      const found_row& o = at->second;
       const std::string here = paths[f] + ":" + std::to_string(row.line);
-      if (o.file != SIZE_MAX) fail(here, "point " + std::to_string(row.number) + " is in " + paths[o.file] + ":" + std::to_string(o.line) + " already");
-      o = {f, row.line};
-      rows[size_t(row.number)] = row.text;
+      if (!is_new) fail(here, "point " + std::to_string(row.number) + " is in " + paths[o.file] + ":" + std::to_string(o.line) + " already");
     });
-  const auto missing = size_t(std::count_if(found.begin(), found.end(), [](const origin& o) { return o.file == SIZE_MAX; }));
-  if (missing != 0) {
-    const auto first = std::find_if(found.begin(), found.end(), [](const origin& o) { return o.file == SIZE_MAX; }) - found.begin();
+  if (const uint64_t missing = spec.points() - rows.size(); missing != 0) {
+    uint64_t first = 0;
+    while (rows.contains(first)) ++first;
     fail(out, std::to_string(missing) + " of " + std::to_string(spec.points()) + " points are missing, the first is " + std::to_string(first) + ": nothing written");
   }
   std::string all = sweep_heading() + "\n";
-  for (const std::string& row : rows) all += row + "\n";
+  for (const auto& [number, row] : rows) all += row.text + "\n";
   merged.write(all);
 }
 

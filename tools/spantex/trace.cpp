@@ -56,7 +56,8 @@ void run(const trace_options& o) {
   if (o.vcd.empty() && o.json.empty()) throw sim::input_error("trace: nothing to write: give --vcd, --json or both");
   check_outputs_differ({{"--vcd", o.vcd}, {"--json", o.json}, {"--out", o.out}, {"--stats", o.stats}});
   const sim::output_file vcd = wanted(o.vcd), json = wanted(o.json), out = wanted(o.out), stats = wanted(o.stats);
-  const sim::scene s = subject_options::loaded(o.subject, o.drawing).at(0);
+  const subject_options::loaded subject(o.subject, o.drawing);
+  const sim::scene s = subject.at(0);
   std::ostringstream waveform, timeline;
   sim::draw_result r;
   {
@@ -72,7 +73,7 @@ void run(const trace_options& o) {
   if (vcd.wanted()) vcd.write(waveform.view());
   if (json.wanted()) json.write(timeline.view());
   if (out.wanted()) out.write(sim::encode_png(r.picture));
-  if (stats.wanted()) stats.write(stats_json(r, drawing, {}));
+  if (stats.wanted()) stats.write(stats_json(r, drawing, {}, subject.textures_missing()));
   print_summary(r.machine);
 }
 
