@@ -32,30 +32,37 @@ constexpr bool is_below_floor(const polygon& p, int32_t sx, int32_t sy, depth_bu
 }
 
 // Of the pixels in mask, those nearer than what is stored, whose depth is stored if wanted. frame_width in pixels.
-constexpr span_mask depth_test(const polygon& p, int32_t sx, int32_t sy, span_mask mask, depth_buffer depth, int32_t frame_width, bool stores) {
+SPANTEX_WRAPS constexpr span_mask depth_test(const polygon& p, int32_t sx, int32_t sy, span_mask mask, depth_buffer depth, int32_t frame_width, bool stores) {
   uint32_t* const floor = depth.floors == nullptr ? nullptr : &depth.floors[sy * ((frame_width + span_side - 1) / span_side) + sx];
   const depth_range range = depth_range_of(p, sx, sy);
   if (floor != nullptr && range.most <= *floor) return 0;
   uint32_t* const first = depth.values + int64_t(sy) * span_side * frame_width + sx * span_side;
   const int32_t dx = 2 * span_side * sx + 1 - p.map.origin_x, dy = 2 * span_side * sy + 1 - p.map.origin_y;
-  const auto nearer = [&](int i, int j) {
-    uint32_t& stored = first[j * frame_width + i];
-    const uint32_t z = detail::depth_of(p.depth, dx + 2 * i, dy + 2 * j);
-    if (z <= stored) return false;
-    if (stores) stored = z;
-    return true;
-  };
+  const bool saturates = range.least <= 1 || range.most >= uint32_t(1) << 31;
   span_mask visible = 0;
-  if (mask == full_mask) {
-    for (int j = 0; j < span_side; ++j)
-      for (int i = 0; i < span_side; ++i) visible |= span_mask(nearer(i, j)) << (span_side * j + i);
-    if (floor != nullptr && stores && range.least > *floor) *floor = range.least;
+  if (mask == full_mask && !saturates) {
+    uint64_t down = uint64_t(p.depth.c) + uint64_t(p.depth.x) * uint64_t(dx) + uint64_t(p.depth.y) * uint64_t(dy);
+    for (int j = 0; j < span_side; ++j, down += 2 * uint64_t(p.depth.y)) {
+      uint32_t* const row = first + j * frame_width;
+      uint64_t across = down;
+      for (int i = 0; i < span_side; ++i, across += 2 * uint64_t(p.depth.x)) {
+        const uint32_t z = uint32_t(across >> depth_guard_bits), stored = row[i];
+        const bool nearer = z > stored;
+        row[i] = nearer && stores ? z : stored;
+        visible |= span_mask(nearer) << (span_side * j + i);
+      }
+    }
   } else {
     for (span_mask rest = mask; rest != 0; rest &= rest - 1) {
-      const int k = __builtin_ctzll(rest);
-      if (nearer(k % span_side, k / span_side)) visible |= span_mask(1) << k;
+      const int k = __builtin_ctzll(rest), i = k % span_side, j = k / span_side;
+      uint32_t& stored = first[j * frame_width + i];
+      const uint32_t z = detail::depth_of(p.depth, dx + 2 * i, dy + 2 * j);
+      if (z <= stored) continue;
+      if (stores) stored = z;
+      visible |= span_mask(1) << k;
     }
   }
+  if (mask == full_mask && floor != nullptr && stores && range.least > *floor) *floor = range.least;
   return visible;
 }
 
