@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // spantex bench: time against error, ours and others' side by side, and how cost grows. Everything on one thread.
-#include <math.h>
 #include <stdio.h>
 
 #include <algorithm>
@@ -35,22 +34,11 @@ struct bench_options {
   bool growth = false, counts = false, draws_only = false;
 };
 
-template <class T, size_t N>
-std::vector<T> chosen(const std::array<sim::named<T>, N>& names, const std::vector<std::string>& wanted, const char* what) {
-  std::vector<T> values;
-  const bool all = wanted == std::vector<std::string>{"all"};
-  for (const auto& n : names)
-    if (all) values.push_back(n.value);
-  if (!all)
-    for (const std::string& w : wanted) values.push_back(value_of(names, w, what));
-  return values;
-}
-
 bench_choice choice_of(const bench_options& o) {
   constexpr int most_rounds = 1000;
   if (o.rounds < 1 || o.rounds > most_rounds) throw sim::input_error("--repeat: outside 1.." + std::to_string(most_rounds));
-  bench_choice c{chosen(sim::filter_names, o.filters, "filter"), chosen(sim::profile_names, o.profiles, "profile"),
-                 chosen(sim::kernel_names, o.kernels, "kernel"), o.rounds, o.samples};
+  bench_choice c{values_of(sim::filter_names, o.filters, "filter"), values_of(sim::profile_names, o.profiles, "profile"),
+                 values_of(sim::kernel_names, o.kernels, "kernel"), o.rounds, o.samples};
   std::erase(c.kernels, kernels::choice::fastest);  // every kernel under its own name
   if (c.kernels.empty()) throw sim::input_error("--kernels: fastest is one of the others; name them, or all");
   for (const filter kind : c.filters)
@@ -63,9 +51,6 @@ bench_choice choice_of(const bench_options& o) {
 }
 
 json to_json(const spread& s) { return {{"median", s.median}, {"low", s.low}, {"high", s.high}, {"least", s.least}, {"samples", s.samples}}; }
-
-// Equal pictures have no finite PSNR.
-json finite_or_null(double x) { return std::isfinite(x) ? json(x) : json(); }
 
 json to_json(const bench_row& r) {
   json j{{"scene", r.scene}, {"filter", r.filter}, {"drawer", r.drawer}};
@@ -150,7 +135,7 @@ std::vector<sim::scene> scenes_of(const bench_options& o) {
 
 void measure(const bench_options& o) {
   const bench_choice choice = choice_of(o);
-  const sim::output_file out = o.out.empty() ? sim::output_file() : sim::output_file(o.out);
+  const sim::output_file out = wanted_output(o.out);
   const peer_list peers = load_peers(o.peers);
   const std::vector<sim::scene> scenes = scenes_of(o);
   const bench_machine machine = this_machine();

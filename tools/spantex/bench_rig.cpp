@@ -247,8 +247,7 @@ void run(const run_options& o) {
   sim::draw_options drawing = o.drawing.resolve();
   if (o.drawing.space != "screen") throw sim::input_error("bench-rig: draws in screen space only");
   check_outputs_differ({{"--out", o.out}, {"--json", o.rig.json_out}, {"--timeline", o.timeline}, {"--record", o.record}});
-  const auto wanted = [](const std::string& path) { return path.empty() ? sim::output_file() : sim::output_file(path); };
-  const sim::output_file out = wanted(o.out), report = wanted(o.rig.json_out), trace = wanted(o.timeline), record = wanted(o.record);
+  const sim::output_file out = wanted_output(o.out), report = wanted_output(o.rig.json_out), trace = wanted_output(o.timeline), record = wanted_output(o.record);
   const sim::scene s = subject_options::loaded(o.subject, o.drawing).at(0);
 
   const connection c(o.rig, drawing.profile);

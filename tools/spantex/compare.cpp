@@ -3,8 +3,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include <cmath>
-
 #include <filesystem>
 #include <memory>
 
@@ -29,7 +27,7 @@ struct compare_options {
 std::string size_text(const sim::image& p) { return std::to_string(p.width_px) + "x" + std::to_string(p.height_px); }
 
 void compare_pictures(const compare_options& o) {
-  const sim::output_file diff = o.diff.empty() ? sim::output_file() : sim::output_file(o.diff);
+  const sim::output_file diff = wanted_output(o.diff);
   const sim::image a = sim::load_image(o.pictures[0]), b = sim::load_image(o.pictures[1]);
   if (a.width_px != b.width_px || a.height_px != b.height_px)
     throw sim::input_error(o.pictures[1] + ": picture is " + size_text(b) + ", but " + o.pictures[0] + " is " + size_text(a));
@@ -41,26 +39,13 @@ void compare_pictures(const compare_options& o) {
   printf("differing pixels  %llu of %zu\n", static_cast<unsigned long long>(d.differing_px), a.pixels.size());
 }
 
-template <class T, size_t N>
-std::vector<T> values_of(const std::array<sim::named<T>, N>& names, const std::vector<std::string>& wanted, const char* what) {
-  std::vector<T> values;
-  if (wanted.size() == 1 && wanted[0] == "all") {
-    for (const auto& n : names) values.push_back(n.value);
-    return values;
-  }
-  for (const std::string& w : wanted) values.push_back(value_of(names, w, what));
-  return values;
-}
-
-nlohmann::ordered_json number_or_null(double x) { return std::isfinite(x) ? nlohmann::ordered_json(x) : nlohmann::ordered_json(); }
-
 nlohmann::ordered_json to_json(const judged& j) {
   return {{"scene", j.scene},
           {"method", label_of(j.how)},
           {"profile", std::string(sim::name_of(sim::profile_names, j.how.profile))},
-          {"psnr_db", number_or_null(j.psnr_db)},
-          {"ssim", number_or_null(j.ssim)},
-          {"worst_error", number_or_null(j.worst)},
+          {"psnr_db", finite_or_null(j.psnr_db)},
+          {"ssim", finite_or_null(j.ssim)},
+          {"worst_error", finite_or_null(j.worst)},
           {"ns_per_pixel", j.ns_per_pixel},
           {"kernel", std::string(j.kernel)},
           {"texel_reads_per_pixel", j.texel_reads},
@@ -116,7 +101,7 @@ void compare_methods(const compare_options& o) {
   const std::vector<method> methods = methods_of(o.filters);
   const std::vector<sim::profile_choice> profiles = values_of(sim::profile_names, o.profiles, "profile");
   check_outputs_differ({{"--out", o.out}, {"--json", o.json}});
-  const sim::output_file json = o.json.empty() ? sim::output_file() : sim::output_file(o.json);
+  const sim::output_file json = wanted_output(o.json);
   std::vector<sim::scene> scenes;
   for (const std::string& name : split(o.scenes, ',')) {
     subject_options subject = o.subject;

@@ -215,6 +215,8 @@ skip_set parse_skip(const std::string& text) {
   return text.empty() ? 0 : only(spantex::skip::other_half);
 }
 
+sim::output_file wanted_output(const std::string& path) { return path.empty() ? sim::output_file() : sim::output_file(path); }
+
 void make_folder(const std::string& path) {
   std::error_code error;
   std::filesystem::create_directories(path, error);

@@ -33,6 +33,17 @@ T value_of(const std::array<sim::named<T>, N>& names, const std::string& name, c
   throw sim::input_error(std::string("unknown ") + what + " '" + name + "' (known: " + list_of(names) + ")");
 }
 
+// By name, one after the other, or every one by "all".
+template <class T, size_t N>
+std::vector<T> values_of(const std::array<sim::named<T>, N>& names, const std::vector<std::string>& wanted, const char* what) {
+  std::vector<T> values;
+  if (wanted == std::vector<std::string>{"all"})
+    for (const auto& n : names) values.push_back(n.value);
+  else
+    for (const std::string& w : wanted) values.push_back(value_of(names, w, what));
+  return values;
+}
+
 std::string joined(const std::vector<std::string>& words);
 std::vector<std::string> split(const std::string& text, char separator);
 
@@ -57,6 +68,9 @@ void refuse_reference(const sim::draw_options& o);
 // Nine numbers or the name of one of the three planes (for 640x480). Refused, with the reason: not nine numbers, not finite, singular, or
 // coordinates beyond what the engine takes (2^15 texels) at every pixel in front of the viewer.
 sim::matrix parse_matrix(const std::string& text, sim::screen_size size);
+
+// What an option names that may be left out: no file, then.
+sim::output_file wanted_output(const std::string& path);
 
 // Makes a folder for outputs where it is missing.
 void make_folder(const std::string& path);

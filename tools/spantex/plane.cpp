@@ -26,7 +26,7 @@ void run(const plane_options& o) {
   const sim::matrix m = parse_matrix(o.matrix, size);
   check_outputs_differ({{"--out", o.out}, {"--stats", o.stats}});
   const sim::output_file out(o.out);
-  const sim::output_file stats = o.stats.empty() ? sim::output_file() : sim::output_file(o.stats);
+  const sim::output_file stats = wanted_output(o.stats);
   sim::map_list maps;
   maps.push_back(load_map(o.texture, o.drawing));
   sim::scene s{"plane", size, std::make_shared<const sim::map_list>(std::move(maps)), {}};

@@ -99,12 +99,12 @@ void run(const render_options& o) {
   if (drawing.depths_first && drawing.space != sim::sampling_space::screen) throw sim::input_error("--order depths: not in object space, which has its own order");
   if (o.psnr || !o.reference.empty()) refuse_reference(drawing);
   const std::vector<sim::output_file> files = outputs(o);
-  const sim::output_file stats = o.stats.empty() ? sim::output_file() : sim::output_file(o.stats);
+  const sim::output_file stats = wanted_output(o.stats);
   const subject_options::loaded subject(o.subject, o.drawing);
   if (!o.path.empty() && !subject.is_model()) throw sim::input_error("--path: '" + o.subject.subject + "' has its own view; only models and levels take a camera");
   if (o.path.empty() && files.size() > 1 && !subject.turns())
     throw sim::input_error("--frames: the view of '" + o.subject.subject + "' is fixed, every frame equal");
-  const sim::output_file reference = o.reference.empty() ? sim::output_file() : sim::output_file(o.reference);
+  const sim::output_file reference = wanted_output(o.reference);
   const std::vector<sim::viewpoint> views = views_of(o, subject, int(files.size()));
   const auto scene_of = [&](size_t k) { return views.empty() ? subject.at(360.0 * double(k) / double(files.size())) : subject.seen_from(views[k]); };
   nlohmann::ordered_json report, frames;

@@ -147,7 +147,7 @@ int run(const stress_arguments& a) {
   const double seconds = parse_number(a.seconds, "--seconds");
   if (evaluations == 0 || evaluations > most_evaluations) throw sim::input_error("--evaluations " + a.evaluations + ": 1 to 10^15");
   if (seconds < 0) throw sim::input_error("--seconds " + a.seconds + ": is negative");
-  const sim::output_file json = a.json.empty() ? sim::output_file() : sim::output_file(a.json);
+  const sim::output_file json = wanted_output(a.json);
   sim::stress_options o{evaluations, seed, seconds, a.threads, {}};
   if (!a.family.empty()) o.families = {family_of(a.family)};
   const sim::stress_report r = sim::run_stress(p, o);

@@ -64,8 +64,6 @@ void set_level_count(const texture_options& o, const sim::image& picture, sim::c
 
 bool is_source(const std::string& path) { return path.ends_with(".c") || path.ends_with(".h"); }
 
-sim::output_file wanted(const std::string& path) { return path.empty() ? sim::output_file() : sim::output_file(path); }
-
 void write(const sim::output_file& file, const sim::bytes& pack) {
   if (!is_source(file.path())) return file.write(pack);
   const auto linkage = file.path().ends_with(".c") ? sim::c_linkage::external : sim::c_linkage::internal;
@@ -96,7 +94,7 @@ void run(const texture_options& o) {
   if (o.out.empty() && o.c_array.empty()) throw sim::input_error("texture: nothing to write: give --out, --c-array or both");
   if (!o.c_array.empty() && !is_source(o.c_array)) throw sim::input_error("--c-array: '" + o.c_array + "' does not end in .h or .c");
   check_outputs_differ({{"--out", o.out}, {"--c-array", o.c_array}});
-  const sim::output_file out = wanted(o.out), source = wanted(o.c_array);
+  const sim::output_file out = wanted_output(o.out), source = wanted_output(o.c_array);
   const sim::image picture = sim::load_image(o.picture);
   set_level_count(o, picture, c);
   const sim::bytes pack = o.field ? compiled_field(o, picture, c) : compiled(picture, c);

@@ -39,8 +39,6 @@ class both final : public sim::trace_sink {
   sim::trace_sink* sinks_[2];
 };
 
-sim::output_file wanted(const std::string& path) { return path.empty() ? sim::output_file() : sim::output_file(path); }
-
 void print_summary(const sim::counters& m) {
   const auto percent = [](sim::cycle part, sim::cycle whole) { return whole == 0 ? 0.0 : 100.0 * double(part) / double(whole); };
   const auto count = [](uint64_t n) { return static_cast<unsigned long long>(n); };
@@ -55,7 +53,7 @@ void run(const trace_options& o) {
   sim::draw_options drawing = o.drawing.resolve();
   if (o.vcd.empty() && o.json.empty()) throw sim::input_error("trace: nothing to write: give --vcd, --json or both");
   check_outputs_differ({{"--vcd", o.vcd}, {"--json", o.json}, {"--out", o.out}, {"--stats", o.stats}});
-  const sim::output_file vcd = wanted(o.vcd), json = wanted(o.json), out = wanted(o.out), stats = wanted(o.stats);
+  const sim::output_file vcd = wanted_output(o.vcd), json = wanted_output(o.json), out = wanted_output(o.out), stats = wanted_output(o.stats);
   const sim::scene s = subject_options::loaded(o.subject, o.drawing).at(0);
   std::ostringstream waveform, timeline;
   sim::draw_result r;
