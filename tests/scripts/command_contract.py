@@ -25,6 +25,10 @@ def test_help(folder):
         assert option in done("plane", "--help", cwd=folder), option
     for option in "--out --c-array --format --prefilter --wrap --inverse --alpha-weighted --alpha-test --levels --byte-order --srgb --field --inside --reduction --ink --outline --threads".split():
         assert option in done("texture", "--help", cwd=folder), option
+    for sub, said in (("plane", ["1..256", "1..1000000", *(f"profile's, {x} in profile default" for x in ("jacobian", "16", "12", "2", "-8"))]), ("render", ["1..9999"]),
+                      ("texture", ["1..256"]), ("stress", ["1..256"]), ("sweep", ["1..256"]), ("bench", ["1..1000"]), ("compare", ["1..1000000"])):
+        text = " ".join(done(sub, "--help", cwd=folder).split())
+        assert all(words in text for words in said), (sub, said, text)
 
 
 def test_stats(folder):

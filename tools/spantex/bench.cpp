@@ -34,9 +34,10 @@ struct bench_options {
   bool growth = false, counts = false, draws_only = false;
 };
 
+constexpr int most_rounds = 1000;
+
 bench_choice choice_of(const bench_options& o) {
-  constexpr int most_rounds = 1000;
-  if (o.rounds < 1 || o.rounds > most_rounds) throw sim::input_error("--repeat: outside 1.." + std::to_string(most_rounds));
+  check_range("--repeat", o.rounds, 1, most_rounds);
   bench_choice c{values_of(sim::filter_names, o.filters, "filter"), values_of(sim::profile_names, o.profiles, "profile"),
                  values_of(sim::kernel_names, o.kernels, "kernel"), o.rounds, o.samples};
   std::erase(c.kernels, kernels::choice::fastest);  // every kernel under its own name
@@ -182,8 +183,8 @@ void add_bench_command(CLI::App& app) {
       sub.add_option("--texture", o->maps.texture, "map of the planes instead of a built-in one"),
       sub.add_option("--models", o->maps.models, "folder of assimp's test models")->capture_default_str(),
       sub.add_option("--size", o->size, "picture size, WxH")->capture_default_str(),
-      sub.add_option("--samples", o->samples, "ours, filter aniso: at most so many samples along a footprint, 1..16"),
-      sub.add_option("--repeat", o->rounds, "turns of each; of slow ones (20 ms a picture) three at most")->capture_default_str(),
+      sub.add_option("--samples", o->samples, "ours, filter aniso: at most so many samples along a footprint, 1..16" + unless_given(std::to_string(profiles::standard.max_samples))),
+      sub.add_option("--repeat", o->rounds, "turns of each, 1.." + std::to_string(most_rounds) + "; of slow ones (20 ms a picture) three at most")->capture_default_str(),
       sub.add_flag("--growth", o->growth, "also how cost grows with pixels, polygons, map size and overdraw"),
       sub.add_option("--json", o->out, "everything measured, as JSON"),
   };

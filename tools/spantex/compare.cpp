@@ -158,7 +158,7 @@ void add_compare_command(CLI::App& app) {
   sub.add_option("--texture", o->subject.texture, "map of planes")->needs(scenes);
   sub.add_option("--size", o->subject.size, "picture size, WxH")->needs(scenes)->capture_default_str();
   sub.add_option("--prefilter", o->drawing.prefilter, list_of(sim::prefilter_names))->needs(scenes)->capture_default_str();
-  sub.add_option("--repeat", o->drawing.repeat, "time so often; the median counts")->needs(scenes)->capture_default_str();
+  sub.add_option("--repeat", o->drawing.repeat, "time so often, 1.." + std::to_string(most_repeats) + "; the median counts")->needs(scenes)->capture_default_str();
   sub.add_option("--out", o->out, "folder for the pictures and the references; made if missing")->needs(scenes);
   sub.add_option("--json", o->json, "the table as JSON")->needs(scenes);
   sub.footer("Table: against the 16x16 supersampled reference; texels and words (64 bits, into local memory) read per pixel; stalls: cycles per pixel in which the "

@@ -96,6 +96,10 @@ void check_outputs_differ(const std::vector<named_output>& outputs) {
         throw input_error(outputs[n].option + " and " + outputs[k].option + ": both would write " + outputs[k].path);
 }
 
+void check_range(const char* option, int value, int low, int high) {
+  if (value < low || value > high) throw input_error(option + (": " + std::to_string(value)) + " is outside " + std::to_string(low) + ".." + std::to_string(high));
+}
+
 double parse_number(const std::string& text, const std::string& what) {
   char* end = nullptr;
   errno = 0;
@@ -147,15 +151,17 @@ sim::matrix parse_matrix(const std::string& text, sim::screen_size size) {
   return m;
 }
 
+std::string unless_given(const std::string& of_profile_default) { return " (not given: the profile's, " + of_profile_default + " in profile default)"; }
+
 void drawing_options::add_to(CLI::App& app, bool with_engine) {
   app.add_option("--filter", filter, list_of(sim::filter_names))->capture_default_str();
   app.add_option("--space", space, "screen: spans of the screen; object: RD16, a grid on each polygon, spread over the pixels")->capture_default_str();
   app.add_option("--profile", profile, list_of(sim::profile_names))->capture_default_str();
-  app.add_option("--level", level, "level of detail instead of the profile's: jacobian (longer column), major or minor (KT88's axes)");
-  app.add_option("--samples", samples, "filter aniso: at most so many samples along a footprint, 1..16");
-  app.add_option("--spacing", spacing, "filter aniso: samples as far apart as the footprint is wide, beyond two widths 2^(this/16) times that, 0..16: quality against cost");
-  app.add_option("--slack", slack, "filter aniso: samples fewer by so many sixteenths of one, 0..15: quality against cost");
-  app.add_option("--bias", bias, "filter aniso: sixteenths added to the level of the footprint's minor axis, -16..0: sharpness against aliasing");
+  app.add_option("--level", level, "level of detail: jacobian (longer column), major or minor (KT88's axes)" + unless_given(std::string(sim::name_of(sim::level_names, profiles::standard.formula))));
+  app.add_option("--samples", samples, "filter aniso: at most so many samples along a footprint, 1..16" + unless_given(std::to_string(profiles::standard.max_samples)));
+  app.add_option("--spacing", spacing, "filter aniso: samples as far apart as the footprint is wide, beyond two widths 2^(this/16) times that, 0..16: quality against cost" + unless_given(std::to_string(profiles::standard.sample_spacing)));
+  app.add_option("--slack", slack, "filter aniso: samples fewer by so many sixteenths of one, 0..15: quality against cost" + unless_given(std::to_string(profiles::standard.sample_slack)));
+  app.add_option("--bias", bias, "filter aniso: sixteenths added to the level of the footprint's minor axis, -16..0: sharpness against aliasing" + unless_given(std::to_string(profiles::standard.sample_bias)));
   wrap_given_ = app.add_option("--wrap", wrap, list_of(sim::wrap_names))->capture_default_str();
   prefilter_given_ = app.add_option("--prefilter", prefilter, list_of(sim::prefilter_names))->capture_default_str();
   format_given_ = app.add_option("--format", format, "texels in global texture memory: " + list_of(sim::format_names))->capture_default_str();
@@ -168,8 +174,8 @@ void drawing_options::add_to(CLI::App& app, bool with_engine) {
   if (!with_engine) return;
   app.add_option("--engine", engine, list_of(sim::engine_names))->capture_default_str();
   app.add_option("--kernel", kernel, "who draws opaque, coded colours by the numbers of profile default, the bytes are the same: " + list_of(sim::kernel_names))->capture_default_str();
-  app.add_option("--threads", threads, "threads, each with its own engine")->capture_default_str();
-  app.add_option("--repeat", repeat, "draw so often; times are medians")->capture_default_str();
+  app.add_option("--threads", threads, "threads, each with its own engine, 1.." + std::to_string(most_threads))->capture_default_str();
+  app.add_option("--repeat", repeat, "draw so often, 1.." + std::to_string(most_repeats) + "; times are medians")->capture_default_str();
   app.add_option("--cull", culled, "polygons left out by how their corners run on the screen: " + list_of(sim::cull_names) + " (clockwise: the backs of closed models)")->capture_default_str();
   app.add_option("--skip", skip, "one that is off unless asked for: other-half (words of a section that the other half holds, for its time)");
   app.add_option("--no-skip", no_skip, "the picture is the same: work that the engine skips and now does, NAME[,NAME...] of " + list_of(sim::skip_names) + ", levels, unchanged, all");
@@ -177,10 +183,10 @@ void drawing_options::add_to(CLI::App& app, bool with_engine) {
 
 void check_changes(const sim::profile_changes& c, filter kind) {
   if ((c.max_samples || c.sample_spacing || c.sample_slack || c.sample_bias) && kind != filter::aniso) throw input_error("--samples, --spacing, --slack, --bias: only filter aniso has them");
-  if (c.max_samples && (*c.max_samples < 1 || *c.max_samples > max_footprint_samples)) throw input_error("--samples: outside 1..16");
-  if (c.sample_spacing && (*c.sample_spacing < 0 || *c.sample_spacing > 16)) throw input_error("--spacing: outside 0..16");
-  if (c.sample_slack && (*c.sample_slack < 0 || *c.sample_slack > 15)) throw input_error("--slack: outside 0..15");
-  if (c.sample_bias && (*c.sample_bias < -16 || *c.sample_bias > 0)) throw input_error("--bias: outside -16..0");
+  if (c.max_samples) check_range("--samples", *c.max_samples, 1, max_footprint_samples);
+  if (c.sample_spacing) check_range("--spacing", *c.sample_spacing, 0, 16);
+  if (c.sample_slack) check_range("--slack", *c.sample_slack, 0, 15);
+  if (c.sample_bias) check_range("--bias", *c.sample_bias, -16, 0);
   const bool has_level = uses_levels(kind) && !uses_footprint(kind) && !uses_area(kind);
   if (c.level && !has_level) throw input_error("--level: filter " + std::string(sim::name_of(sim::filter_names, kind)) + " has no level or its own");
 }
@@ -245,9 +251,8 @@ void refuse_reference(const sim::draw_options& o) {
 }
 
 sim::draw_options drawing_options::resolve() const {
-  constexpr int most_threads = 256, most_repeats = 1000000;
-  if (threads < 1 || threads > most_threads) throw input_error("--threads: outside 1.." + std::to_string(most_threads));
-  if (repeat < 1 || repeat > most_repeats) throw input_error("--repeat: outside 1.." + std::to_string(most_repeats));
+  check_range("--threads", threads, 1, most_threads);
+  check_range("--repeat", repeat, 1, most_repeats);
   wrap_mode();
   level_filter();
   texels();
@@ -307,7 +312,7 @@ void subject_options::add_to(CLI::App& app, bool with_matrix) {
   app.add_option("--camera", camera, "yaw,pitch,distance: degrees, degrees, radii of the model (0: all of it in the picture)");
   app.add_option("--eye", eye, "x,y,z of the camera, with --target");
   app.add_option("--target", target, "x,y,z that the camera looks at, with --eye");
-  fov_given_ = app.add_option("--fov", fov_degrees, "angle of view of the picture's height, degrees")->capture_default_str();
+  fov_given_ = app.add_option("--fov", fov_degrees, "angle of view of the picture's height, 10..150 degrees")->capture_default_str();
   app.add_option("--map", map, "which level of a .pk3 archive");
   app.add_option("--order", order, "polygons as in the file, nearest first, or nearest first and all depths before any texture: file, nearest, depths; levels are drawn nearest first");
   if (with_matrix) app.add_option("--matrix", matrix, "instead of a scene: a plane, A,B,C,D,E,F,G,H,I")->excludes(what);

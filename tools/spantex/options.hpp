@@ -47,6 +47,10 @@ std::vector<T> values_of(const std::array<sim::named<T>, N>& names, const std::v
 std::string joined(const std::vector<std::string>& words);
 std::vector<std::string> split(const std::string& text, char separator);
 
+inline constexpr int most_threads = 256, most_repeats = 1000000;
+// Refuses a number outside low..high.
+void check_range(const char* option, int value, int low, int high);
+
 double parse_number(const std::string& text, const std::string& what);
 std::vector<double> parse_numbers(const std::string& text, size_t count, const std::string& what);
 sim::screen_size parse_size(const std::string& text);
@@ -79,6 +83,9 @@ void make_folder(const std::string& path);
 struct named_output { std::string option, path; };
 // Refuses two outputs that would be one file.
 void check_outputs_differ(const std::vector<named_output>& outputs);
+
+// Behind what an option says: what counts without it.
+std::string unless_given(const std::string& of_profile_default);
 
 // Samples 1..16, spacing 0..16, slack 0..15, bias -16..0; what filter they belong to.
 void check_changes(const sim::profile_changes& c, filter kind);

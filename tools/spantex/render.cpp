@@ -81,7 +81,7 @@ std::vector<sim::output_file> outputs(const render_options& o) {
   if (!o.path.empty() && (o.frames || !o.subject.camera.empty() || !o.subject.eye.empty())) throw sim::input_error("--path: has frames and cameras of its own");
   const int frames = o.path.empty() ? o.frames.value_or(0) : int(read_path(o.path).size());
   if (!o.frames && o.path.empty()) return {sim::output_file(o.out)};
-  if (o.path.empty() && (*o.frames < 1 || *o.frames > most_frames)) throw sim::input_error("--frames: outside 1.." + std::to_string(most_frames));
+  if (o.path.empty()) check_range("--frames", *o.frames, 1, most_frames);
   std::vector<sim::output_file> files;
   for (int k = 0; k < frames; ++k) {
     const std::string name = frame_name(o.out, k);
@@ -135,7 +135,7 @@ void add_render_command(CLI::App& app) {
   CLI::App& sub = *app.add_subcommand("render", "draw a model with its own textures, or a scene by name");
   o->subject.add_to(sub, false);
   sub.add_option("--out", o->out, "the picture, PNG; with --frames a pattern such as O-%04d.png")->required();
-  sub.add_option("--frames", o->frames, "so many pictures: of a level a walk through it, else a turntable, the camera turned once around");
+  sub.add_option("--frames", o->frames, "so many pictures, 1.." + std::to_string(most_frames) + ": of a level a walk through it, else a turntable, the camera turned once around");
   sub.add_option("--path", o->path, "a file of cameras, a frame a line: x,y,z of the eye, x,y,z of what it looks at");
   o->drawing.add_to(sub, true);
   sub.add_option("--stats", o->stats, stats_help("counts and times (of the first frame; where there are more, of each under 'frames') as JSON"));

@@ -142,7 +142,7 @@ int run(const stress_arguments& a) {
     fputs(text.c_str(), stdout);
     return text.find("FAILS") == std::string::npos ? 0 : 1;
   }
-  if (a.threads < 1 || a.threads > 256) throw sim::input_error("--threads " + std::to_string(a.threads) + ": 1 to 256");
+  check_range("--threads", a.threads, 1, most_threads);
   const uint64_t evaluations = whole_number("--evaluations", a.evaluations), seed = whole_number("--seed", a.seed);
   const double seconds = parse_number(a.seconds, "--seconds");
   if (evaluations == 0 || evaluations > most_evaluations) throw sim::input_error("--evaluations " + a.evaluations + ": 1 to 10^15");
@@ -178,7 +178,7 @@ void add_stress_command(CLI::App& app) {
       sub.add_option("--evaluations", a->evaluations, "texture coordinates to evaluate")->capture_default_str(),
       sub.add_option("--seed", a->seed, "of the whole run")->capture_default_str(),
       sub.add_option("--seconds", a->seconds, "stop after this time (0: no limit)")->capture_default_str(),
-      sub.add_option("--threads", a->threads, "1 to 256; the cases do not depend on it")->capture_default_str(),
+      sub.add_option("--threads", a->threads, "threads, 1.." + std::to_string(most_threads) + "; the cases do not depend on it")->capture_default_str(),
       sub.add_option("--json", a->json, "the table as JSON")};
   CLI::Option* const family = sub.add_option("--family", a->family, "one family of cases only");
   CLI::Option* const one_case = sub.add_option("--case", a->case_seed, "one case, described, and shrunk if it fails")->needs(family);

@@ -79,7 +79,7 @@ void list_points(const sweep_spec& spec, share_of_points share) {
 
 void run(const sweep_options& o) {
   const share_of_points share = parse_job(o.job);
-  if (o.threads < 1 || o.threads > 256) throw sim::input_error("--threads: must be 1 to 256");
+  check_range("--threads", o.threads, 1, most_threads);
   const int tasks = int(o.count) + int(o.points) + int(!o.pictures.empty()) + int(!o.out.empty());
   if (tasks != 1) throw sim::input_error("sweep: one of --out, --pictures, --points and --count is needed");
   if (!o.merge.empty() && o.out.empty()) throw sim::input_error("--merge: needs --out");
@@ -99,7 +99,7 @@ void add_sweep_command(CLI::App& app) {
   sub.add_option("spec", o->spec, "what is varied: JSON, docs/SWEEPS.md")->required();
   sub.add_option("--out", o->out, "the record; a run that finds one of the same study goes on where it ended");
   sub.add_option("--job", o->job, "i/n: every n-th point from the i-th on, i from 1; for several machines, each with its own --out")->capture_default_str();
-  sub.add_option("--threads", o->threads, "points judged side by side")->capture_default_str();
+  sub.add_option("--threads", o->threads, "points judged side by side, 1.." + std::to_string(most_threads))->capture_default_str();
   sub.add_option("--merge", o->merge, "records of all jobs into --out; refused with gaps or points twice")->expected(1, 1 << 20);
   sub.add_option("--pictures", o->pictures, "folder: draw every point and its reference instead of judging it");
   sub.add_flag("--points", o->points, "print what each point is, as CSV, without judging it");

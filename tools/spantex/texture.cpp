@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // spantex texture: compiles a picture into a texture pack, a file or a C array.
+#include <algorithm>
 #include <memory>
 #include <optional>
 
@@ -24,7 +25,7 @@ struct texture_options {
   int reduction = 1;
   std::string inside = "either", ink = "ffffff", outline = "0";
   bool inverse = false, alpha_weighted = false, srgb = false;
-  int threads = sim::hardware_threads();
+  int threads = std::min(sim::hardware_threads(), most_threads);
 };
 
 // One mode for both axes, or U,V.
@@ -35,7 +36,6 @@ void set_wraps(const std::string& text, sim::compile_options& o) {
 }
 
 sim::compile_options resolve(const texture_options& o) {
-  constexpr int most_threads = 256;
   sim::compile_options c;
   c.format = value_of(sim::format_names, o.format, "format");
   c.levels = value_of(sim::prefilter_names, o.prefilter, "prefilter");
@@ -44,11 +44,11 @@ sim::compile_options resolve(const texture_options& o) {
   c.alpha = o.alpha_weighted ? sim::alpha_weighting::weighted : sim::alpha_weighting::independent;
   c.inverse = o.inverse;
   c.srgb = o.srgb;
-  if (o.threads < 1 || o.threads > most_threads) throw sim::input_error("--threads: outside 1.." + std::to_string(most_threads));
+  check_range("--threads", o.threads, 1, most_threads);
   c.threads = o.threads;
   if (o.field && !has_alpha(c.format)) throw sim::input_error("--field: format " + o.format + " has no alpha");
   if (!o.alpha_test) return c;
-  if (*o.alpha_test < 1 || *o.alpha_test > 255) throw sim::input_error("--alpha-test: outside 1..255");
+  check_range("--alpha-test", *o.alpha_test, 1, 255);
   if (!has_alpha(c.format)) throw sim::input_error("--alpha-test: format " + o.format + " has no alpha");
   c.alpha_threshold = uint8_t(*o.alpha_test);
   return c;
@@ -128,7 +128,7 @@ void add_texture_command(CLI::App& app) {
   sub.add_option("--reduction", o->reduction, "of a field: pixels of the picture along a texel; its sides are multiples")->needs(field)->capture_default_str();
   sub.add_option("--ink", o->ink, "of a field: RRGGBB of fill and outline")->needs(field)->capture_default_str();
   sub.add_option("--outline", o->outline, "of a field: width of the line along the contour in pixels, to 1/16; 0 fills the inside")->needs(field)->capture_default_str();
-  sub.add_option("--threads", o->threads, "threads; the bytes do not depend on it")->capture_default_str();
+  sub.add_option("--threads", o->threads, "threads, 1.." + std::to_string(most_threads) + "; the bytes do not depend on it")->capture_default_str();
   sub.callback([o] { run(*o); });
 }
 
