@@ -336,6 +336,9 @@ CASES = [
       for more in (["--alpha", "blended"], ["--srgb"], ["--filter", "contour"])],
     (["render", "tilted", "--out", "o.png", "--space", "object", "--filter", "aniso"], ["--space object", "aniso"]),
     (["compare", "--scenes", "tilted,nowhere"], ["nowhere", "tilted"]),
+    *[(["compare", "--scenes", "tilted", "--" + name, ",".join(twice)], ["--" + name, twice[0], "twice"]) for name, twice in (
+        ("filters", ["nearest"] * 2), ("filters", ["aniso:samples=4:slack=2", "aniso:slack=2:samples=4"]), ("profiles", ["seed"] * 2))],
+    *[(["compare", "--scenes", names], ["--scenes", one, "twice"]) for names, one in (("tilted,tilted", "tilted"), ("half.obj,folder/half.xyz", "half"))],
     (["compare", "--scenes", "tilted", "--filters", "aniso,best"], ["best", "trilinear"]),
     *[(["compare", "--scenes", "tilted", "--filters", f], words) for f, words in (
         ("trilinear:slack=2", ["--slack", "aniso"]), ("aniso:slack=16", ["--slack", "0..15"]), ("aniso:samples=0", ["--samples", "1..16"]), ("aniso:samples=x", ["x", "number"]),
@@ -372,11 +375,12 @@ CASES = [
     (["stress", "--evaluations", "1000", "--json", "no/j.json"], ["no/j.json", "cannot write"]),
     # bench
     (["bench", "--scenes", "tilted,nowhere"], ["--scenes", "nowhere", "grazing"]),
-    (["bench", "--scenes", "tilted,tilted"], ["--scenes", "twice"]),
+    *[(["bench", "--" + name, f"{one},{one}"], ["--" + name, one, "twice"])
+      for name, one in (("scenes", "tilted"), ("filters", "nearest"), ("profiles", "seed"), ("kernels", "scalar"), ("peers", "none"))],
     (["bench", "--matrix", "1,0,0,2,0,0,0,0,1"], ["--matrix", "singular"]),
     (["bench", "--matrix", "1,0,0"], ["--matrix"]),
     (["bench", "--filters", "best"], ["best", "trilinear"]),
-    (["bench", "--filters", "contour"], ["--filters", "contour"]),
+    *[([*command, "--filters", "contour"], ["--filters", "contour"]) for command in (["bench"], ["compare", "--scenes", "contour"])],
     (["bench", "--profiles", "great"], ["great", "seed"]),
     (["bench", "--kernels", "mmx"], ["mmx", "scalar"]),
     (["bench", "--kernels", "fastest"], ["--kernels", "fastest"]),

@@ -422,6 +422,8 @@ def test_bench(folder):
     # The same filter of the same plane: nearly our picture (null: ours exactly), but for pixman, whose coordinates are coarse.
     others = [r for r in peers if r["drawer"] != "pixman" and r["psnr_ours_db"] is not None]
     assert all(r["psnr_ours_db"] > 30 for r in others), others
+    text = done("bench", "--scenes", "facing", "--filters", "all", "--profiles", "seed", "--kernels", "scalar", "--peers", "none", "--size", "8x8", "--repeat", "1", cwd=folder)
+    assert all(f" {name} " in text for name in FILTERS) and "contour" not in text, text
     # A plane of one's own, alone and after named ones; a shift by whole texels is everybody's same picture.
     for named in ([], ["--scenes", "tilted"]):
         done("bench", *named, "--matrix", "1,0,5,0,1,-3,0,0,1", "--filters", "nearest,bilinear", "--profiles", "default", "--size", size, "--repeat", "1", "--json", "m.json", cwd=folder)

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <memory>
 #include <optional>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -36,14 +35,22 @@ struct bench_options {
 
 constexpr int most_rounds = 1000;
 
+std::vector<filter> filters_of(const std::vector<std::string>& names) {
+  if (names == std::vector<std::string>{"all"}) return judged_filters();
+  std::vector<filter> kinds;
+  for (const std::string& name : names) kinds.push_back(judged_filter(name));
+  return kinds;
+}
+
 bench_choice choice_of(const bench_options& o) {
+  refuse_repeats("--filters", o.filters);
+  refuse_repeats("--profiles", o.profiles);
+  refuse_repeats("--kernels", o.kernels);
   check_range("--repeat", o.rounds, 1, most_rounds);
-  bench_choice c{values_of(sim::filter_names, o.filters, "filter"), values_of(sim::profile_names, o.profiles, "profile"),
+  bench_choice c{filters_of(o.filters), values_of(sim::profile_names, o.profiles, "profile"),
                  values_of(sim::kernel_names, o.kernels, "kernel"), o.rounds, o.samples};
   std::erase(c.kernels, kernels::choice::fastest);  // every kernel under its own name
   if (c.kernels.empty()) throw sim::input_error("--kernels: fastest is one of the others; name them, or all");
-  for (const filter kind : c.filters)
-    if (kind == filter::contour) throw sim::input_error("--filters: contour is a coverage, the reference has none");
   if (o.samples) {
     if (std::count(c.filters.begin(), c.filters.end(), filter::aniso) == 0) throw sim::input_error("--samples: only filter aniso has them");
     check_changes({.max_samples = o.samples}, filter::aniso);
@@ -127,7 +134,7 @@ std::vector<sim::scene> scenes_of(const bench_options& o) {
   const sim::screen_size size = parse_size(o.size);
   const bool all = o.scenes.empty() ? o.matrix.empty() : o.scenes == std::vector<std::string>{"all"};
   const std::vector<std::string> names = all ? bench_scene_names() : o.scenes;
-  if (std::set<std::string>(names.begin(), names.end()).size() != names.size()) throw sim::input_error("--scenes: one is named twice");
+  refuse_repeats("--scenes", names);
   std::vector<sim::scene> scenes;
   for (const std::string& name : names) scenes.push_back(make_bench_scene(name, size, o.maps));
   if (!o.matrix.empty()) scenes.push_back(make_bench_plane(parse_matrix(o.matrix, size), size, o.maps));
@@ -175,7 +182,7 @@ void add_bench_command(CLI::App& app) {
   CLI::App& sub = *app.add_subcommand("bench", "time against error: scenes, filters, profiles, kernels, and other programs' renderers side by side");
   CLI::Option* const of_measuring[] = {
       sub.add_option("--scenes", o->scenes, joined(bench_scene_names()) + "; separated by commas, or all (which it is without --matrix)")->delimiter(','),
-      sub.add_option("--filters", o->filters, list_of(sim::filter_names) + "; or all")->delimiter(',')->capture_default_str(),
+      sub.add_option("--filters", o->filters, list_of(sim::filter_names) + "; or all; not contour")->delimiter(',')->capture_default_str(),
       sub.add_option("--profiles", o->profiles, list_of(sim::profile_names) + "; or all")->delimiter(',')->capture_default_str(),
       sub.add_option("--kernels", o->kernels, "scalar and the host's kernels, or all; one that cannot draw a scene or filter has no row there")->delimiter(',')->capture_default_str(),
       sub.add_option("--peers", o->peers, "files of the folder peers beside this command, or all, or none")->delimiter(',')->capture_default_str(),

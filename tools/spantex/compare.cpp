@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <utility>
 
 #include <nlohmann/json.hpp>
 
@@ -68,7 +69,7 @@ int parse_count(const std::string& text, const std::string& what) {
 method method_of(const std::string& text) {
   if (text == object_space) return {filter::trilinear, {}, sim::sampling_space::object};
   const std::vector<std::string> parts = split(text, ':');
-  method m{value_of(sim::filter_names, parts[0], "filter"), {}};
+  method m{judged_filter(parts[0]), {}};
   for (size_t k = 1; k < parts.size(); ++k) {
     const size_t equals = parts[k].find('=');
     const std::string name = parts[k].substr(0, equals), value = equals == std::string::npos ? "" : parts[k].substr(equals + 1);
@@ -83,31 +84,37 @@ method method_of(const std::string& text) {
   return m;
 }
 
-// all: but contour, which is no filter of pictures.
 std::vector<method> methods_of(const std::vector<std::string>& names) {
   std::vector<method> methods;
   if (names.size() == 1 && names[0] == "all") {
-    for (const auto& n : sim::filter_names)
-      if (n.value != filter::contour) methods.push_back({n.value, {}});
+    for (const filter kind : judged_filters()) methods.push_back({kind, {}});
     methods.push_back(method_of(object_space));
   } else {
     for (const std::string& n : names) methods.push_back(method_of(n));
   }
+  std::vector<std::string> labels;
+  for (const method& m : methods) labels.push_back(label_of(m));
+  refuse_repeats("--filters", std::move(labels));
   return methods;
 }
 
 void compare_methods(const compare_options& o) {
   o.drawing.resolve();
   const std::vector<method> methods = methods_of(o.filters);
+  refuse_repeats("--profiles", o.profiles);
   const std::vector<sim::profile_choice> profiles = values_of(sim::profile_names, o.profiles, "profile");
   check_outputs_differ({{"--out", o.out}, {"--json", o.json}});
   const sim::output_file json = wanted_output(o.json);
+  const std::vector<std::string> subjects = split(o.scenes, ',');
+  std::vector<std::string> names;  // in the table and of pictures
+  for (const std::string& s : subjects) names.push_back(sim::is_scene_name(s) ? s : std::filesystem::path(s).stem().string());
+  refuse_repeats("--scenes", names);
   std::vector<sim::scene> scenes;
-  for (const std::string& name : split(o.scenes, ',')) {
+  for (size_t k = 0; k < subjects.size(); ++k) {
     subject_options subject = o.subject;
-    subject.subject = name;
+    subject.subject = subjects[k];
     scenes.push_back(subject_options::loaded(subject, o.drawing).at(0));
-    if (scenes.back().name.empty() || !sim::is_scene_name(name)) scenes.back().name = std::filesystem::path(name).stem().string();
+    scenes.back().name = names[k];
   }
   if (!o.out.empty()) make_folder(o.out);
   const auto save = [&](const std::string& name, const sim::image& picture) {
@@ -152,7 +159,7 @@ void add_compare_command(CLI::App& app) {
   CLI::Option* const diff = sub.add_option("--diff", o->diff, "of two pictures: absolute differences, PNG");
   CLI::Option* const scenes =
       sub.add_option("--scenes", o->scenes, "scenes or models, separated by commas: every filter and profile on each of them")->excludes(diff);
-  sub.add_option("--filters", o->filters, list_of(sim::filter_names) + ", object-space (RD16); with level=, samples=, spacing=, slack=, bias= behind a colon (trilinear:level=minor, aniso:slack=8); separated by commas, or all")->delimiter(',')->needs(scenes)
+  sub.add_option("--filters", o->filters, list_of(sim::filter_names) + ", object-space (RD16); with level=, samples=, spacing=, slack=, bias= behind a colon (trilinear:level=minor, aniso:slack=8); separated by commas, or all; not contour")->delimiter(',')->needs(scenes)
       ->default_val(std::vector<std::string>{"all"});
   sub.add_option("--profiles", o->profiles, list_of(sim::profile_names) + "; or all")->delimiter(',')->needs(scenes)->capture_default_str();
   sub.add_option("--texture", o->subject.texture, "map of planes")->needs(scenes);

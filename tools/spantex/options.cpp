@@ -96,6 +96,24 @@ void check_outputs_differ(const std::vector<named_output>& outputs) {
         throw input_error(outputs[n].option + " and " + outputs[k].option + ": both would write " + outputs[k].path);
 }
 
+void refuse_repeats(const char* option, std::vector<std::string> names) {
+  std::sort(names.begin(), names.end());
+  const auto twice = std::adjacent_find(names.begin(), names.end());
+  if (twice != names.end()) throw input_error(std::string(option) + ": '" + *twice + "' is named twice");
+}
+
+filter judged_filter(const std::string& name) {
+  const filter kind = value_of(sim::filter_names, name, "filter");
+  if (kind == filter::contour) throw input_error("--filters: contour is a coverage, the reference has none");
+  return kind;
+}
+
+std::vector<filter> judged_filters() {
+  std::vector<filter> kinds = values_of(sim::filter_names, {"all"}, "filter");
+  std::erase(kinds, filter::contour);
+  return kinds;
+}
+
 void check_range(const char* option, int value, int low, int high) {
   if (value < low || value > high) throw input_error(option + (": " + std::to_string(value)) + " is outside " + std::to_string(low) + ".." + std::to_string(high));
 }

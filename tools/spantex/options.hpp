@@ -44,6 +44,13 @@ std::vector<T> values_of(const std::array<sim::named<T>, N>& names, const std::v
   return values;
 }
 
+// Refuses a name that is there twice.
+void refuse_repeats(const char* option, std::vector<std::string> names);
+
+// Filters of pictures that are judged against the reference. Refuses contour: the reference has no coverage.
+filter judged_filter(const std::string& name);
+std::vector<filter> judged_filters();
+
 std::string joined(const std::vector<std::string>& words);
 std::vector<std::string> split(const std::string& text, char separator);
 
