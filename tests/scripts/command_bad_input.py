@@ -165,7 +165,7 @@ CASES = [
     *[(plane() + ["--no-skip", names], ["--no-skip", names.split(",")[-1], "uniform"]) for names in ("unifrom", "uniform,", "all,none", "uniform,Held")],
     (plane() + ["--skip", "uniform"], ["--skip", "uniform", "other-half"]),
     (plane() + ["--cull", "back"], ["back", "clockwise"]), (plane() + ["--cull", "clockwise", "--psnr"], ["--psnr", "--cull"]),
-    (plane(alpha="blended") + ["--psnr"], ["--psnr", "--alpha"]),
+    (plane(alpha="blended") + ["--psnr"], ["--psnr", "--alpha"]), (render("tilted", "--alpha", "blended", "--reference", "r.png"), ["--reference:", "--alpha"]),
     (render("contour", "--filter", "contour", "--psnr"), ["--psnr", "contour"]),
     (render("fig10"), ["fig10", "fig6", "fig9", "grazing"]),
     (["paint"], ["paint", "plane", "render", "texture", "prefilters", "compare", "trace", "stress", "demo"]),
@@ -201,7 +201,7 @@ CASES = [
     (["trace", "fig6", "--size", "32x24"], ["--vcd", "--json"]),
     (["trace", "--vcd", "t.vcd"], ["scene"]),
     (["demo", "--out", "good.png"], ["good.png"]),
-    (["demo", "--out", "made", "--texture", "missing.png"], ["missing.png"]),
+    (["demo", "--out", "made", "--texture", "missing.png"], ["missing.png: missing\n"]),  # not the package of another
     # models
     (render("missing.obj"), ["missing.obj", "no such model file or scene", "fig6"]),
     (render("folder"), ["folder", "directory"]),
@@ -291,8 +291,8 @@ CASES = [
         ["--srgb"], ["--prefilter", "box"], ["--inverse"], ["--alpha-weighted"], ["--alpha-test", "9"], ["--levels", "2"], ["--inverse", "--c-array", "o.h"])],
     *[(texture("good.png", "--field", "16", "--format", f), ["--field", f, "alpha"]) for f in ("l8", "rgb565", "rgb888")],
     *[(texture("good.png", "--field", "16", "--reduction", n), ["field", "multiples", n]) for n in ("0", "3", "-2", "128")],
-    *[(texture("good.png", "--field", "16", "--outline", n), ["--outline", n]) for n in ("16", "-1", "wide")],
-    (texture("good.png", "--field", "16", "--ink", "red"), ["red"]),
+    *[(texture("good.png", "--field", "16", "--outline", n), ["--outline", n, "number" if n == "wide" else "0..15.9375"]) for n in ("16", "-1", "wide")],
+    (texture("good.png", "--field", "16", "--ink", "red"), ["--ink", "red"]),
     (texture("good.png", "--field", "16", "--inside", "out"), ["inside", "out", "either", "alpha", "light", "dark"]),
     *[(texture("good.png", name, value), [name, "--field"]) for name, value in (("--reduction", "2"), ("--ink", "000000"), ("--outline", "1"), ("--inside", "dark"))],
     (plane(texture="good.png", space="object") + ["--srgb"], ["--space object", "--srgb"]),
@@ -300,7 +300,7 @@ CASES = [
     (["prefilters", "--level", "5"], ["--level", "1..4"]),
     (["prefilters", "--texture", "missing.png"], ["missing.png"]),
     # the bench
-    (["bench-rig"], ["subcommand"]),
+    (["bench-rig"], ["bench-rig", "subcommand", "self-test"]), (["bench-rig", "paint"], ["bench-rig", "paint", "self-test"]), (["bench-rig", "--rig", "r"], ["bench-rig", "--rig", "self-test"]),
     (["bench-rig", "identify"], ["--rig", "--simulated"]),
     (["bench-rig", "identify", "--rig", "good.png", "--simulated"], ["--rig", "--simulated"]),
     (["bench-rig", "identify", "--rig", "missing.json"], ["missing.json", "No such file"]),
@@ -334,7 +334,7 @@ CASES = [
     (["render", "tilted", "--out", "o.png", "--space", "object", "--threads", "2"], ["--space object", "thread"]),
     *[(["render", "tilted", "--out", "o.png", "--space", "object", *more], ["--space object", "--alpha"])
       for more in (["--alpha", "blended"], ["--srgb"], ["--filter", "contour"])],
-    (["render", "tilted", "--out", "o.png", "--space", "object", "--filter", "aniso"], ["--space object", "aniso"]),
+    *[(["render", "tilted", "--out", "o.png", "--space", "object", "--filter", "aniso", *more], ["--space object", "aniso"]) for more in ([], ["--samples", "4"])],
     (["compare", "--scenes", "tilted,nowhere"], ["nowhere", "tilted"]),
     *[(["compare", "--scenes", "tilted", "--" + name, ",".join(twice)], ["--" + name, twice[0], "twice"]) for name, twice in (
         ("filters", ["nearest"] * 2), ("filters", ["aniso:samples=4:slack=2", "aniso:slack=2:samples=4"]), ("profiles", ["seed"] * 2))],
@@ -352,7 +352,7 @@ CASES = [
     (plane(level="minor", space="object"), ["--space object", "--level"]),
     (["chessboard"], ["--out"]), (["chessboard", "--out", "o", "--size", "0x1"], ["--size"]), (["chessboard", "--out", "o", "--profile", "best"], ["best", "seed"]),
     (["chessboard", "--out", "good.png/o"], ["good.png/o", "folder"]),
-    (render("contour", "--filter", "contour", "--reference", "r.png"), ["--psnr", "contour"]),
+    (render("contour", "--filter", "contour", "--reference", "r.png"), ["--reference:", "contour"]),
     (["compare", "--scenes", "tilted", "--profiles", "huge"], ["huge", "compact"]),
     (["compare", "--scenes", "tilted", "--size", "0x9"], ["--size", "0x9"]),
     (["compare", "--scenes", "tilted", "--texture", "missing.png"], ["missing.png"]),

@@ -34,9 +34,9 @@ struct demo_options {
 
 constexpr rgba8 background{24, 28, 36, 255};
 
-void need(const std::string& path, const char* package) {
+void need(const std::string& path, const std::string& usual, const std::string& package) {
   std::error_code ignored;
-  if (!std::filesystem::exists(path, ignored)) throw sim::input_error(path + ": missing; it is part of the Debian package " + package);
+  if (!std::filesystem::exists(path, ignored)) throw sim::input_error(path + ": missing" + (path == usual ? "; it is part of the Debian package " + package : ""));
 }
 
 std::vector<sim::scene> scenes(const demo_options& o) {
@@ -104,8 +104,8 @@ std::vector<method> methods_of(const sim::scene& s) {
 }
 
 void run(const demo_options& o) {
-  need(o.texture, "python3-skimage");
-  need(o.models, "assimp-testmodels");
+  need(o.texture, demo_options().texture, "python3-skimage");
+  need(o.models, demo_options().models, "assimp-testmodels");
   make_folder(o.out);
   const std::vector<sim::scene> all = scenes(o);
   int total = 0;

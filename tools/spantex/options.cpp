@@ -146,9 +146,9 @@ sim::screen_size parse_size(const std::string& text) {
   return {side(0), side(1)};
 }
 
-rgba8 parse_colour(const std::string& text) {
+rgba8 parse_colour(const std::string& text, const char* option) {
   const bool good = text.size() == 6 && text.find_first_not_of("0123456789abcdefABCDEF") == std::string::npos;
-  if (!good) throw input_error("--background: '" + text + "' is not RRGGBB");
+  if (!good) throw input_error(std::string(option) + ": '" + text + "' is not RRGGBB");
   const unsigned long value = strtoul(text.c_str(), nullptr, 16);
   return {uint8_t(value >> 16), uint8_t(value >> 8), uint8_t(value), 255};
 }
@@ -249,7 +249,9 @@ void make_folder(const std::string& path) {
 
 int parse_parts(const std::string& text, const char* option, double low, double high, int parts) {
   const double value = parse_number(text, option);
-  if (!(value >= low && value <= high)) throw input_error(std::string(option) + ": '" + text + "' is outside its range");
+  char range[64];
+  snprintf(range, sizeof range, "%g..%g", low, high);
+  if (!(value >= low && value <= high)) throw input_error(std::string(option) + ": '" + text + "' is outside " + range);
   return int(lround(value * parts));
 }
 
@@ -262,10 +264,10 @@ void drawing_options::parse_contour(sim::draw_options& o) const {
   if (field_scale) o.field_scale = uint16_t(parse_parts(*field_scale, "--field-scale", 1 / 16.0, 255, 256));
 }
 
-void refuse_reference(const sim::draw_options& o) {
+void refuse_reference(const sim::draw_options& o, const std::string& option) {
   if (o.how.alpha != alpha_mode::opaque || o.kind == filter::contour)
-    throw input_error("--psnr: the reference is opaque: not with --alpha or filter contour");
-  if (o.culled != sim::cull::none) throw input_error("--psnr: the reference draws every polygon: not with --cull");
+    throw input_error(option + ": the reference is opaque: not with --alpha or filter contour");
+  if (o.culled != sim::cull::none) throw input_error(option + ": the reference draws every polygon: not with --cull");
 }
 
 sim::draw_options drawing_options::resolve() const {
@@ -288,10 +290,10 @@ sim::draw_options drawing_options::resolve() const {
   if (o.space == sim::sampling_space::object) {
     if (o.engine != sim::engine_choice::direct) throw input_error("--space object: runs on engine direct only");
     if (threads != 1) throw input_error("--space object: runs on one thread only");
-    if (o.changes.any()) throw input_error("--space object: has one level a polygon: not with --level");
     if (uses_footprint(o.kind) || uses_area(o.kind)) throw input_error("--space object: filter " + filter + " has a footprint of its own; take one without");
+    if (o.changes.any()) throw input_error("--space object: has one level a polygon: not with --level");
   }
-  o.background = parse_colour(background);
+  o.background = parse_colour(background, "--background");
   o.how = parse_alpha(alpha);
   o.culled = value_of(sim::cull_names, culled, "winding");
   o.skips = parse_no_skip(no_skip).drawing | parse_skip(skip);

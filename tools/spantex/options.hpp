@@ -61,7 +61,7 @@ void check_range(const char* option, int value, int low, int high);
 double parse_number(const std::string& text, const std::string& what);
 std::vector<double> parse_numbers(const std::string& text, size_t count, const std::string& what);
 sim::screen_size parse_size(const std::string& text);
-rgba8 parse_colour(const std::string& text);
+rgba8 parse_colour(const std::string& text, const char* option);
 // A number within limits, in 1/parts, to nearest.
 int parse_parts(const std::string& text, const char* option, double low, double high, int parts);
 shading parse_alpha(const std::string& text);
@@ -73,8 +73,8 @@ struct skip_choice {
 };
 skip_choice parse_no_skip(const std::string& text);
 skip_set parse_skip(const std::string& text);  // more than the usual ones: "" or "other-half"
-// What --psnr has no reference for.
-void refuse_reference(const sim::draw_options& o);
+// What an option has no reference for.
+void refuse_reference(const sim::draw_options& o, const std::string& option);
 
 // Nine numbers or the name of one of the three planes (for 640x480). Refused, with the reason: not nine numbers, not finite, singular, or
 // coordinates beyond what the engine takes (2^15 texels) at every pixel in front of the viewer.

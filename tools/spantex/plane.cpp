@@ -21,7 +21,7 @@ struct plane_options {
 void run(const plane_options& o) {
   sim::draw_options drawing = o.drawing.resolve();
   drawing.counted = !o.stats.empty();
-  if (o.psnr) refuse_reference(drawing);
+  if (o.psnr) refuse_reference(drawing, "--psnr");
   const sim::screen_size size = parse_size(o.size);
   const sim::matrix m = parse_matrix(o.matrix, size);
   check_outputs_differ({{"--out", o.out}, {"--stats", o.stats}});

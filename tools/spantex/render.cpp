@@ -97,7 +97,7 @@ void run(const render_options& o) {
   drawing.depths_first = o.subject.order == "depths";
   if (drawing.depths_first && drawing.how.alpha != alpha_mode::opaque) throw sim::input_error("--order depths: the depths of what is cut out or blended are not known first: not with --alpha " + o.drawing.alpha);
   if (drawing.depths_first && drawing.space != sim::sampling_space::screen) throw sim::input_error("--order depths: not in object space, which has its own order");
-  if (o.psnr || !o.reference.empty()) refuse_reference(drawing);
+  if (o.psnr || !o.reference.empty()) refuse_reference(drawing, o.psnr ? "--psnr" : "--reference");
   const std::vector<sim::output_file> files = outputs(o);
   const sim::output_file stats = wanted_output(o.stats);
   const subject_options::loaded subject(o.subject, o.drawing);

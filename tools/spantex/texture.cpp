@@ -72,7 +72,7 @@ void write(const sim::output_file& file, const sim::bytes& pack) {
 
 // A contour map of the picture's outline.
 sim::bytes compiled_field(const texture_options& o, const sim::image& picture, sim::compile_options c) {
-  const rgba8 ink = parse_colour(o.ink);
+  const rgba8 ink = parse_colour(o.ink, "--ink");
   const contour_style style = sim::field_style(*o.field, parse_parts(o.outline, "--outline", 0, 255 / 16.0, 16));
   const std::vector<sim::image> levels = sim::make_field_levels(picture, o.reduction, *o.field, {ink.r, ink.g, ink.b, 0},
                                                                   value_of(inside_names, o.inside, "inside"));
