@@ -60,7 +60,7 @@ bool is_pack(const bytes& data);
 enum class c_linkage : uint8_t { internal, external };
 std::string c_array(const bytes& pack, const std::string& name, c_linkage linkage);
 
-// A C identifier from a file's name: brick-2.stx gives brick_2.
+// A C and C++ identifier from a file's name: brick-2.stx gives brick_2, 2.c map_2, int.c map_int.
 std::string identifier_of(const std::string& path);
 
 }  // namespace spantex::sim

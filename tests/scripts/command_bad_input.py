@@ -281,6 +281,7 @@ CASES = [
     *[(texture("good.png", "--threads", n), ["--threads", "1..256"]) for n in ("0", "257")],
     (texture("good.png", "--out", "no/o.stx"), ["no/o.stx", "cannot write"]),
     (texture("good.png", "--out", "o.stx", "--c-array", "no/o.h"), ["no/o.h", "cannot write"]),
+    *[(texture("good.png", "--out", name), ["--out", name, ".c or .h"]) for name in ("o.hpp", "o.cpp", "o.cc", "o.cxx", "o.hxx", "o.hh", "o.C", "o.H")],
     (texture("good.png", "--c-array", "array.txt"), ["--c-array", "array.txt", ".h"]),
     (texture("good.png", "--out", "o.h", "--c-array", "./o.h"), ["--out", "--c-array", "o.h"]),
     (texture("good.png", "--out", "/dev/full"), ["/dev/full", "cannot write"]),

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // spantex texture: compiles a picture into a texture pack, a file or a C array.
+#include <ctype.h>
+
 #include <algorithm>
+#include <filesystem>
 #include <memory>
 #include <optional>
 
@@ -64,6 +67,14 @@ void set_level_count(const texture_options& o, const sim::image& picture, sim::c
 
 bool is_source(const std::string& path) { return path.ends_with(".c") || path.ends_with(".h"); }
 
+// A source of another language or spelling, where a pack in bytes would be a surprise.
+bool is_other_source(const std::string& path) {
+  std::string suffix = std::filesystem::path(path).extension().string();
+  std::transform(suffix.begin(), suffix.end(), suffix.begin(), [](unsigned char c) { return char(tolower(c)); });
+  const auto others = {".c", ".h", ".cc", ".hh", ".cpp", ".hpp", ".cxx", ".hxx", ".c++", ".h++", ".inc", ".inl"};
+  return !is_source(path) && std::find(others.begin(), others.end(), suffix) != others.end();
+}
+
 void write(const sim::output_file& file, const sim::bytes& pack) {
   if (!is_source(file.path())) return file.write(pack);
   const auto linkage = file.path().ends_with(".c") ? sim::c_linkage::external : sim::c_linkage::internal;
@@ -92,6 +103,7 @@ sim::bytes compiled(const sim::image& picture, sim::compile_options c) {
 void run(const texture_options& o) {
   sim::compile_options c = resolve(o);
   if (o.out.empty() && o.c_array.empty()) throw sim::input_error("texture: nothing to write: give --out, --c-array or both");
+  if (is_other_source(o.out)) throw sim::input_error("--out: '" + o.out + "': a C array's name ends in .c or .h, a pack's in .stx");
   if (!o.c_array.empty() && !is_source(o.c_array)) throw sim::input_error("--c-array: '" + o.c_array + "' does not end in .h or .c");
   check_outputs_differ({{"--out", o.out}, {"--c-array", o.c_array}});
   const sim::output_file out = wanted_output(o.out), source = wanted_output(o.c_array);
@@ -108,7 +120,7 @@ void add_texture_command(CLI::App& app) {
   const auto o = std::make_shared<texture_options>();
   CLI::App& sub = *app.add_subcommand("texture", "compile a picture into a texture pack with its levels");
   sub.add_option("PICTURE", o->picture, "any picture that stb_image reads, at most 4096x4096")->required();
-  sub.add_option("--out", o->out, "the pack (.stx); a C array if the name ends in .c (external names) or .h (static)");
+  sub.add_option("--out", o->out, "the pack (.stx); a C and C++ array if the name ends in .c (external names) or .h (static)");
   sub.add_option("--c-array", o->c_array, "the pack as a C array as well: .h or .c; its name is the file's");
   sub.add_option("--format", o->format, list_of(sim::format_names))->capture_default_str();
   CLI::Option* const prefilter = sub.add_option("--prefilter", o->prefilter, list_of(sim::prefilter_names))->capture_default_str();
