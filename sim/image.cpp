@@ -7,6 +7,8 @@
 
 #include <memory>
 
+#include "pack.hpp"
+
 namespace {
 
 // stb_image_write's own compressor takes three times as long and leaves a third more. Null: no memory; freed by free().
@@ -92,6 +94,7 @@ void append(void* user, void* data, int size) {
 
 image decode_image(const uint8_t* data, size_t size, const std::string& name) {
   if (size == 0) throw input_error(name + ": not a picture: file is empty");
+  if (is_pack(data, size)) throw input_error(name + ": a texture pack; here a picture is needed");
   int width = 0, height = 0, channels = 0;
   source header{data, size};
   if (stbi_info_from_callbacks(&callbacks, &header, &width, &height, &channels) != 0) check_size(width, height, name);

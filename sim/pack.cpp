@@ -2,7 +2,6 @@
 #include "pack.hpp"
 
 #include <stdio.h>
-#include <string.h>
 
 #include <algorithm>
 #include <array>
@@ -315,8 +314,6 @@ bytes compile_contour_pack(const std::vector<image>& levels, const contour_style
   const int most = palette_size(o.format);
   return pack_of(levels, most == 0 ? palette{} : make_palette(levels[0], most), o, &style);
 }
-
-bool is_pack(const bytes& data) { return data.size() >= sizeof pf::magic && memcmp(data.data(), pf::magic, sizeof pf::magic) == 0; }
 
 std::string identifier_of(const std::string& path) {
   std::string name = std::filesystem::path(path).stem().string();

@@ -2,6 +2,7 @@
 // The map compiler: a picture to a texture pack (spantex/pack.hpp, docs/TEXTURES.md). Integers only: the same bytes on every machine.
 #pragma once
 #include <stdint.h>
+#include <string.h>
 
 #include <string>
 #include <vector>
@@ -54,7 +55,7 @@ struct alpha_coverage { int64_t kept, texels; };
 alpha_coverage coverage_of(const image& level, uint8_t threshold);
 void keep_coverage(image& level, uint8_t threshold, const alpha_coverage& wanted);
 
-bool is_pack(const bytes& data);
+inline bool is_pack(const uint8_t* data, size_t size) { return size >= sizeof pack_format::magic && memcmp(data, pack_format::magic, sizeof pack_format::magic) == 0; }
 
 // A C99 (and C++) source with the pack: `static const` in a header, external names in a source. Names NAME and NAME_bytes.
 enum class c_linkage : uint8_t { internal, external };

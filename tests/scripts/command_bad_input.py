@@ -268,7 +268,7 @@ CASES = [
     (["texture", "good.png"], ["--out", "--c-array"]),
     *[(texture(name), [name, why]) for name, why in (("missing.png", "No such file"), ("truncated.png", "truncated"), ("text.png", "cannot decode"),
                                                     ("wide.png", "4097x1"), ("folder", "directory"), ("/dev/zero", "512 MiB"),
-                                                    ("good.stx", "cannot decode"))],
+                                                    ("good.stx", "texture pack"))],
     (texture("good.png", "--format", "rgb332"), ["format", "rgb332", *FORMATS]),
     (plane(format="rgb332"), ["format", "rgb332", *FORMATS]),
     (texture("good.png", "--prefilter", "cubic"), ["prefilter", "cubic", "box", "triangle", "kaiser", "lanczos"]),
@@ -324,7 +324,8 @@ CASES = [
     (plane(texture="good.stx", wrap="clamp"), ["--wrap", "good.stx"]),
     (plane(texture="good.stx", prefilter="box"), ["--prefilter", "good.stx"]),
     (["trace", "tilted", "--texture", "cut.stx", "--size", "32x24", "--vcd", "t"], ["cut.stx", "truncated"]),
-    (["compare", "good.png", "good.stx"], ["good.stx"]),
+    *[([*command, "good.stx"], ["good.stx", "texture pack", "picture"]) for command in (
+        ["compare", "good.png"], ["prefilters", "--texture"], ["bench", "--scenes", "tilted", "--peers", "none", "--texture"], ["demo", "--out", ".", "--texture"])],
     # compare
     (["compare", "good.png", "missing.png"], ["missing.png"]),
     (["compare", "good.png", "small.png"], ["small.png", "32x64", "64x64"]),

@@ -187,7 +187,7 @@ void add_bench_command(CLI::App& app) {
       sub.add_option("--kernels", o->kernels, "scalar and the host's kernels, or all; one that cannot draw a scene or filter has no row there")->delimiter(',')->capture_default_str(),
       sub.add_option("--peers", o->peers, "files of the folder peers beside this command, or all, or none")->delimiter(',')->capture_default_str(),
       sub.add_option("--matrix", o->matrix, "a plane of your own, as of `spantex plane`, named matrix; after the scenes of --scenes, where they are named"),
-      sub.add_option("--texture", o->maps.texture, "map of the planes instead of a built-in one"),
+      sub.add_option("--texture", o->maps.texture, "map of the planes, a picture, instead of a built-in one"),
       sub.add_option("--models", o->maps.models, "folder of assimp's test models")->capture_default_str(),
       sub.add_option("--size", o->size, "picture size, WxH")->capture_default_str(),
       sub.add_option("--samples", o->samples, "ours, filter aniso: at most so many samples along a footprint, 1..16" + unless_given(std::to_string(profiles::standard.max_samples))),

@@ -139,7 +139,7 @@ void add_demo_command(CLI::App& app) {
   const auto o = std::make_shared<demo_options>();
   CLI::App& sub = *app.add_subcommand("demo", "draw the demonstration pictures and print one table");
   sub.add_option("--out", o->out, "folder for the pictures; made if missing")->required();
-  sub.add_option("--texture", o->texture, "map of the three planes")->capture_default_str();
+  sub.add_option("--texture", o->texture, "map of the three planes, a picture")->capture_default_str();
   sub.add_option("--models", o->models, "folder of assimp's test models")->capture_default_str();
   sub.callback([o] { run(*o); });
 }

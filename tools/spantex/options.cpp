@@ -314,7 +314,7 @@ sim::draw_options drawing_options::resolve() const {
 
 sim::texture_map load_map(const std::string& path, const drawing_options& d) {
   sim::bytes data = sim::read_file(path);
-  if (!sim::is_pack(data) && !path.ends_with(".stx"))
+  if (!sim::is_pack(data.data(), data.size()) && !path.ends_with(".stx"))
     return {sim::decode_image(data.data(), data.size(), path), d.level_filter(), d.wrap_mode(), d.wrap_mode(), d.texels(), d.colours(), d.most_levels(), d.making()};
   if (d.wrap_given()) throw input_error("--wrap: " + path + " has its own wrap modes; give them when it is compiled");
   if (d.prefilter_given()) throw input_error("--prefilter: " + path + " has its levels; give it when it is compiled");
