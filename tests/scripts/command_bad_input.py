@@ -367,7 +367,7 @@ CASES = [
     # stress
     *[(["stress", "--evaluations", n], ["--evaluations", n]) for n in ("0", "-5", "1e9", "10.5", "", "1000000000000001", "99999999999999999999999")],
     *[(["stress", "--evaluations", "1000", "--" + name, n], ["--" + name, n]) for name, n in (
-        ("seed", "-1"), ("seed", "0x5"), ("seconds", "-1"), ("seconds", "nan"), ("seconds", "soon"), ("threads", "0"), ("threads", "257"))],
+        ("seed", "-1"), ("seed", "0x5"), ("seconds", "-1"), ("seconds", "nan"), ("seconds", "1e12"), ("seconds", "1.1e9"), ("seconds", "soon"), ("threads", "0"), ("threads", "257"))],
     (["stress", "--profile", "best"], ["best", "seed"]),
     (["stress", "--family", "nowhere"], ["nowhere", "horizon"]),
     (["stress", "--case", "5"], ["--case", "--family"]),

@@ -433,6 +433,12 @@ def test_bench(folder):
         assert {r["drawer"] for r in shifted} >= {"spantex"} and len({r["rms_error"] for r in shifted}) == 1, shifted
 
 
+def test_stress_says_that_it_was_stopped(folder):
+    for seconds, evaluations, complete in (("0.05", "1000000000000", False), ("1e9", "1000", True)):
+        text = done("stress", "--family", "horizon", "--evaluations", evaluations, "--seconds", seconds, "--json", "s.json", cwd=folder)
+        assert ("INCOMPLETE" not in text) == json.loads((folder / "s.json").read_text())["complete"] == complete, text
+
+
 def test_progress_only_on_a_terminal(folder):
     arguments = ["plane", "--texture", "map.png", "--size", "640x480", "--matrix", TILTED, "--out", "o.png", "--repeat", "40", "--kernel", "scalar"]  # long enough to show
     parent, child = pty.openpty()
