@@ -249,7 +249,7 @@ CASES = [
     (plane(stats="./folder/../out.png"), ["--out", "--stats", "out.png"]),
     (plane(out="link.png", stats="small.png"), ["--out", "--stats", "small.png"]),
     (render("fig8", "--stats", "out.png"), ["--out", "--stats", "out.png"]),
-    (render("fig8", "--out", "f%d.png", "--frames", "3", "--stats", "f2.png"), ["--out", "--stats", "f2.png"]),
+    *[(render("fig8", "--out", "f%d.png", "--frames", "3", other, "f2.png"), ["--out", other, "f2.png"]) for other in ("--stats", "--reference")],
     *[(["trace", "fig6", "--size", "32x24", "--vcd", "t", other, "./t"], ["--vcd", other, "./t"])
       for other in ("--json", "--out", "--stats")],
     (["trace", "fig6", "--size", "32x24", "--vcd", "t", "--json", "u", "--stats", "u"], ["--json", "--stats", " u"]),

@@ -85,7 +85,7 @@ std::vector<sim::output_file> outputs(const render_options& o) {
   std::vector<sim::output_file> files;
   for (int k = 0; k < frames; ++k) {
     const std::string name = frame_name(o.out, k);
-    check_outputs_differ({{"--out", name}, {"--stats", o.stats}});
+    check_outputs_differ({{"--out", name}, {"--stats", o.stats}, {"--reference", o.reference}});
     files.emplace_back(name);
   }
   return files;
