@@ -325,6 +325,10 @@ def test_levels(folder):
     done(*level, "--path", "p.path", "--out", "p%d.png", cwd=folder)
     assert (folder / "p0.png").read_bytes() != (folder / "p1.png").read_bytes() and not (folder / "p2.png").exists()
     assert (folder / "p0.png").read_bytes() == frames[0], "from the first place to the second"
+    (folder / "crlf.path").write_bytes((folder / "p.path").read_bytes().replace(b"\n", b"\r\n"))
+    for name in ("crlf.path", "/dev/stdin"):
+        subprocess.run([str(BINARY), *level, "--path", name, "--out", "q%d.png"], input=(folder / "p.path").read_bytes(), cwd=folder, check=True)
+        assert all((folder / f"q{k}.png").read_bytes() == (folder / f"p{k}.png").read_bytes() for k in (0, 1)), name
     (folder / "away.path").write_text(2 * "9000,9000,9000,9100,9000,9000\n")
     done(*level, "--path", "away.path", "--out", "a%d.png", "--stats", "a.json", cwd=folder)
     away, _ = json.loads((folder / "a.json").read_text())["frames"]

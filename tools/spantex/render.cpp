@@ -41,25 +41,20 @@ std::string frame_name(const std::string& pattern, int frame) {
   return pattern.substr(0, percent) + number + pattern.substr(letter + 1);
 }
 
-// A view a line: x,y,z of the eye and of what it looks at; lines that begin with # and empty ones say nothing.
+// A view a line, which may end as on Windows: x,y,z of the eye and of what it looks at; lines that begin with # and empty ones say nothing. Read once: it may be a pipe.
 std::vector<sim::viewpoint> read_path(const std::string& file) {
   const sim::bytes data = sim::read_file(file);
   std::vector<sim::viewpoint> views;
   int line = 0;
-  for (const std::string& text : split({data.begin(), data.end()}, '\n')) {
+  for (std::string& text : split({data.begin(), data.end()}, '\n')) {
     ++line;
+    if (text.ends_with('\r')) text.pop_back();
     if (text.empty() || text[0] == '#') continue;
     const std::vector<double> n = parse_numbers(text, 6, file + ": line " + std::to_string(line));
     views.push_back({{n[0], n[1], n[2]}, {n[3], n[4], n[5]}});
   }
   if (views.empty() || views.size() > size_t(most_frames)) throw sim::input_error(file + ": " + std::to_string(views.size()) + " views, not 1.." + std::to_string(most_frames));
   return views;
-}
-
-// Views of a walk or a path; none where the camera is the subject's or turns around it.
-std::vector<sim::viewpoint> views_of(const render_options& o, const subject_options::loaded& subject, int frames) {
-  if (!o.path.empty()) return read_path(o.path);
-  return subject.walks() ? subject.walk(frames) : std::vector<sim::viewpoint>();
 }
 
 nlohmann::ordered_json frame_json(const sim::scene& s, const sim::draw_result& r, double set_up_ns) {
@@ -76,10 +71,9 @@ nlohmann::ordered_json frame_json(const sim::scene& s, const sim::draw_result& r
   return j;
 }
 
-std::vector<sim::output_file> outputs(const render_options& o) {
+std::vector<sim::output_file> outputs(const render_options& o, const std::vector<sim::viewpoint>& path) {
   check_outputs_differ({{"--out", o.out}, {"--stats", o.stats}, {"--reference", o.reference}});
-  if (!o.path.empty() && (o.frames || !o.subject.camera.empty() || !o.subject.eye.empty())) throw sim::input_error("--path: has frames and cameras of its own");
-  const int frames = o.path.empty() ? o.frames.value_or(0) : int(read_path(o.path).size());
+  const int frames = o.path.empty() ? o.frames.value_or(0) : int(path.size());
   if (!o.frames && o.path.empty()) return {sim::output_file(o.out)};
   if (o.path.empty()) check_range("--frames", *o.frames, 1, most_frames);
   std::vector<sim::output_file> files;
@@ -98,14 +92,17 @@ void run(const render_options& o) {
   if (drawing.depths_first && drawing.how.alpha != alpha_mode::opaque) throw sim::input_error("--order depths: the depths of what is cut out or blended are not known first: not with --alpha " + o.drawing.alpha);
   if (drawing.depths_first && drawing.space != sim::sampling_space::screen) throw sim::input_error("--order depths: not in object space, which has its own order");
   if (o.psnr || !o.reference.empty()) refuse_reference(drawing, o.psnr ? "--psnr" : "--reference");
-  const std::vector<sim::output_file> files = outputs(o);
+  if (!o.path.empty() && (o.frames || !o.subject.camera.empty() || !o.subject.eye.empty())) throw sim::input_error("--path: has frames and cameras of its own");
+  // Of a path or a walk; none where the camera is the subject's or turns around it.
+  std::vector<sim::viewpoint> views = o.path.empty() ? std::vector<sim::viewpoint>() : read_path(o.path);
+  const std::vector<sim::output_file> files = outputs(o, views);
   const sim::output_file stats = wanted_output(o.stats);
   const subject_options::loaded subject(o.subject, o.drawing);
   if (!o.path.empty() && !subject.is_model()) throw sim::input_error("--path: '" + o.subject.subject + "' has its own view; only models and levels take a camera");
   if (o.path.empty() && files.size() > 1 && !subject.turns())
     throw sim::input_error("--frames: the view of '" + o.subject.subject + "' is fixed, every frame equal");
   const sim::output_file reference = wanted_output(o.reference);
-  const std::vector<sim::viewpoint> views = views_of(o, subject, int(files.size()));
+  if (o.path.empty() && subject.walks()) views = subject.walk(int(files.size()));
   const auto scene_of = [&](size_t k) { return views.empty() ? subject.at(360.0 * double(k) / double(files.size())) : subject.seen_from(views[k]); };
   nlohmann::ordered_json report, frames;
   sim::frame_before before;
