@@ -59,6 +59,12 @@ search_path::search_path(const std::string& folder) : folder_(folder) {
   }
 }
 
+std::vector<std::string> search_path::archives() const {
+  std::vector<std::string> paths;
+  for (const archive& a : archives_) paths.push_back(a.path());
+  return paths;
+}
+
 std::optional<bytes> search_path::read(const std::string& name) const {
   const fs::path wanted(name);
   if (wanted.is_absolute() || std::find(wanted.begin(), wanted.end(), "..") != wanted.end()) return {};

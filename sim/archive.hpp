@@ -30,6 +30,7 @@ class search_path {
  public:
   explicit search_path(const std::string& folder);  // the folder and every readable .pk3 in it, by name
   void prefer(archive a) { archives_.insert(archives_.begin(), std::move(a)); }
+  std::vector<std::string> archives() const;
   // Empty if nowhere. A name with ".." or from the root is nowhere.
   std::optional<bytes> read(const std::string& name) const;
 

@@ -85,12 +85,12 @@ void write_all(int fd, const uint8_t* data, size_t size, const std::string& path
 
 }  // namespace
 
-bool same_output(const std::string& a, const std::string& b) {
-  const fs::path p = resolved(a), q = resolved(b);
-  if (is_special(p) || is_special(q)) return false;
+std::string place_of(const std::string& path) {
+  const fs::path target = resolved(path);
+  if (is_special(target)) return {};
   std::error_code error;
-  const fs::path whole_p = fs::weakly_canonical(p, error), whole_q = fs::weakly_canonical(q, error);
-  return whole_p.empty() || whole_q.empty() ? p == q : fs::absolute(whole_p, error) == fs::absolute(whole_q, error);
+  const fs::path whole = fs::weakly_canonical(target, error);
+  return fs::absolute(whole.empty() ? target : whole, error).string();
 }
 
 bytes read_file(const std::string& path) {

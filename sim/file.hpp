@@ -39,7 +39,7 @@ class output_file {
   std::string path_;
 };
 
-// Whether writing both would replace one file twice: the same path after links and dots. Devices and pipes take any number.
-bool same_output(const std::string& a, const std::string& b);
+// A file's one name, after links and dots: what is written to one place replaces what was there. Empty for devices and pipes, which take any number.
+std::string place_of(const std::string& path);
 
 }  // namespace spantex::sim

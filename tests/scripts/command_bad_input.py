@@ -99,6 +99,7 @@ def make_inputs(folder):
             file.truncate(size)
     (folder / "link.png").symlink_to("small.png")
     (folder / "folder").mkdir()
+    (folder / "folder" / "tilted-reference.png").write_bytes(good)
 
 
 def plane(**changed):
@@ -250,6 +251,23 @@ CASES = [
     (plane(out="link.png", stats="small.png"), ["--out", "--stats", "small.png"]),
     (render("fig8", "--stats", "out.png"), ["--out", "--stats", "out.png"]),
     *[(render("fig8", "--out", "f%d.png", "--frames", "3", other, "f2.png"), ["--out", other, "f2.png"]) for other in ("--stats", "--reference")],
+    # outputs that would replace what is read
+    *[(arguments, [option, path, "read"]) for arguments, option, path in (
+        (plane(out="good.png"), "--out", "good.png"), (plane(stats="./folder/../good.png"), "--stats", "good.png"), (plane(texture="small.png", out="link.png"), "--out", "link.png"),
+        (plane(texture="good.stx", out="good.stx"), "--out", "good.stx"), (texture("good.png", "--out", "good.png"), "--out", "good.png"),
+        *[(render("textured.obj", *more), more[0], more[1]) for more in (["--out", "textured.obj"], ["--stats", "textured.obj"], ["--out", "good.png"], ["--reference", "good.png"])],
+        (render("textured.obj", "--path", "one.path", "--out", "o%d.png", "--stats", "one.path"), "--stats", "one.path"),
+        (render("tilted", "--texture", "good.png", "--out", "good.png"), "--out", "good.png"),
+        *[(["trace", "tilted", "--texture", "good.png", "--size", "32x24", "--vcd", "t", other, "good.png"], other, "good.png") for other in ("--json", "--out", "--stats")],
+        *[(["bench-rig", "run", "tilted", "--texture", "good.png", "--size", "32x24", "--simulated", other, "good.png"], other, "good.png") for other in ("--out", "--json", "--timeline", "--record")],
+        *[(["bench-rig", what, "--rig", "one.path", "--json", "one.path"], "--json", "one.path") for what in ("identify", "self-test")],
+        (["compare", "small.png", "good.png", "--diff", "good.png"], "--diff", "good.png"),
+        (["compare", "--scenes", "tilted", "--texture", "good.png", "--json", "good.png"], "--json", "good.png"),
+        (["compare", "--scenes", "textured.obj", "--json", "textured.obj"], "--json", "textured.obj"),
+        (["compare", "--scenes", "tilted", "--texture", "folder/tilted-reference.png", "--out", "folder"], "--out", "folder/tilted-reference.png"),
+        (["bench", "--scenes", "tilted", "--texture", "good.png", "--json", "good.png", "--peers", "none"], "--json", "good.png"),
+        (["sweep", "one.path", "--out", "one.path"], "--out", "one.path"), (["sweep", "one.path", "--merge", "empty.path", "--out", "empty.path"], "--out", "empty.path"))],
+    (["demo", "--out", ".", "--texture", "good.png"], ["--texture", "good.png", "--out"]),
     *[(["trace", "fig6", "--size", "32x24", "--vcd", "t", other, "./t"], ["--vcd", other, "./t"])
       for other in ("--json", "--out", "--stats")],
     (["trace", "fig6", "--size", "32x24", "--vcd", "t", "--json", "u", "--stats", "u"], ["--json", "--stats", " u"]),
@@ -325,7 +343,7 @@ CASES = [
     (plane(texture="good.stx", prefilter="box"), ["--prefilter", "good.stx"]),
     (["trace", "tilted", "--texture", "cut.stx", "--size", "32x24", "--vcd", "t"], ["cut.stx", "truncated"]),
     *[([*command, "good.stx"], ["good.stx", "texture pack", "picture"]) for command in (
-        ["compare", "good.png"], ["prefilters", "--texture"], ["bench", "--scenes", "tilted", "--peers", "none", "--texture"], ["demo", "--out", ".", "--texture"])],
+        ["compare", "good.png"], ["prefilters", "--texture"], ["bench", "--scenes", "tilted", "--peers", "none", "--texture"], ["demo", "--out", "folder", "--texture"])],
     # compare
     (["compare", "good.png", "missing.png"], ["missing.png"]),
     (["compare", "good.png", "small.png"], ["small.png", "32x64", "64x64"]),

@@ -325,6 +325,7 @@ def test_levels(folder):
     done(*level, "--path", "p.path", "--out", "p%d.png", cwd=folder)
     assert (folder / "p0.png").read_bytes() != (folder / "p1.png").read_bytes() and not (folder / "p2.png").exists()
     assert (folder / "p0.png").read_bytes() == frames[0], "from the first place to the second"
+    assert run(*level, "--out", "pictures.pk3", cwd=folder).returncode == 2 and zipfile.is_zipfile(folder / "pictures.pk3"), "what the textures are read from"
     (folder / "crlf.path").write_bytes((folder / "p.path").read_bytes().replace(b"\n", b"\r\n"))
     for name in ("crlf.path", "/dev/stdin"):
         subprocess.run([str(BINARY), *level, "--path", name, "--out", "q%d.png"], input=(folder / "p.path").read_bytes(), cwd=folder, check=True)

@@ -143,6 +143,7 @@ std::vector<sim::scene> scenes_of(const bench_options& o) {
 
 void measure(const bench_options& o) {
   const bench_choice choice = choice_of(o);
+  check_outputs({{"--json", o.out}}, {o.maps.texture});
   const sim::output_file out = wanted_output(o.out);
   const peer_list peers = load_peers(o.peers);
   const std::vector<sim::scene> scenes = scenes_of(o);

@@ -91,6 +91,7 @@ struct connection {
   std::string name;
 
   connection(const rig_options& o, sim::profile_choice p) {
+    check_outputs({{"--json", o.json_out}}, {o.rig});
     if (o.simulated == !o.rig.empty()) throw sim::input_error("bench-rig: give --rig FILE or --simulated, one of them");
     constexpr double day_s = 86400;
     if (o.patience_s && !(*o.patience_s >= 0 && *o.patience_s <= day_s)) throw sim::input_error("--patience: must be 0 to 86400 seconds");
@@ -246,9 +247,12 @@ std::string bytes_of(const recording& log) {
 void run(const run_options& o) {
   sim::draw_options drawing = o.drawing.resolve();
   if (o.drawing.space != "screen") throw sim::input_error("bench-rig: draws in screen space only");
-  check_outputs_differ({{"--out", o.out}, {"--json", o.rig.json_out}, {"--timeline", o.timeline}, {"--record", o.record}});
   const sim::output_file out = wanted_output(o.out), report = wanted_output(o.rig.json_out), trace = wanted_output(o.timeline), record = wanted_output(o.record);
-  const sim::scene s = subject_options::loaded(o.subject, o.drawing).at(0);
+  const subject_options::loaded subject(o.subject, o.drawing);
+  std::vector<std::string> inputs = subject.files();
+  inputs.push_back(o.rig.rig);
+  check_outputs({{"--out", o.out}, {"--json", o.rig.json_out}, {"--timeline", o.timeline}, {"--record", o.record}}, inputs);
+  const sim::scene s = subject.at(0);
 
   const connection c(o.rig, drawing.profile);
   any_engine_of<bench_engine> device(*c.lines, numbers_of(drawing.profile), c.rig.limits, some_seed());

@@ -28,6 +28,7 @@ struct compare_options {
 std::string size_text(const sim::image& p) { return std::to_string(p.width_px) + "x" + std::to_string(p.height_px); }
 
 void compare_pictures(const compare_options& o) {
+  check_outputs({{"--diff", o.diff}}, o.pictures);
   const sim::output_file diff = wanted_output(o.diff);
   const sim::image a = sim::load_image(o.pictures[0]), b = sim::load_image(o.pictures[1]);
   if (a.width_px != b.width_px || a.height_px != b.height_px)
@@ -100,42 +101,54 @@ std::vector<method> methods_of(const std::vector<std::string>& names) {
 
 void compare_methods(const compare_options& o) {
   o.drawing.resolve();
-  const std::vector<method> methods = methods_of(o.filters);
   refuse_repeats("--profiles", o.profiles);
-  const std::vector<sim::profile_choice> profiles = values_of(sim::profile_names, o.profiles, "profile");
-  check_outputs_differ({{"--out", o.out}, {"--json", o.json}});
+  std::vector<method> methods;
+  for (const sim::profile_choice profile : values_of(sim::profile_names, o.profiles, "profile"))
+    for (method m : methods_of(o.filters)) {
+      m.profile = profile;
+      methods.push_back(m);
+    }
   const sim::output_file json = wanted_output(o.json);
   const std::vector<std::string> subjects = split(o.scenes, ',');
   std::vector<std::string> names;  // in the table and of pictures
   for (const std::string& s : subjects) names.push_back(sim::is_scene_name(s) ? s : std::filesystem::path(s).stem().string());
   refuse_repeats("--scenes", names);
   std::vector<sim::scene> scenes;
+  std::vector<std::string> inputs;
   for (size_t k = 0; k < subjects.size(); ++k) {
     subject_options subject = o.subject;
     subject.subject = subjects[k];
-    scenes.push_back(subject_options::loaded(subject, o.drawing).at(0));
+    const subject_options::loaded loaded(subject, o.drawing);
+    inputs.insert(inputs.end(), loaded.files().begin(), loaded.files().end());
+    scenes.push_back(loaded.at(0));
     scenes.back().name = names[k];
   }
+  const auto path_of = [&](const sim::scene& s, const std::string& what) { return o.out + "/" + s.name + "-" + what + ".png"; };
+  std::vector<named_output> outputs{{"--out", o.out}, {"--json", o.json}};
+  for (const sim::scene& s : scenes) {
+    if (o.out.empty()) break;
+    outputs.push_back({"--out", path_of(s, "reference")});
+    for (const method& m : methods) outputs.push_back({"--out", path_of(s, file_name_of(m))});
+  }
+  check_outputs(outputs, inputs);
   if (!o.out.empty()) make_folder(o.out);
-  const auto save = [&](const std::string& name, const sim::image& picture) {
-    if (!o.out.empty()) sim::output_file(o.out + "/" + name + ".png").write(sim::encode_png(picture));
+  const auto save = [&](const sim::scene& s, const std::string& what, const sim::image& picture) {
+    if (!o.out.empty()) sim::output_file(path_of(s, what)).write(sim::encode_png(picture));
   };
-  progress_bar bar("compare", int(scenes.size() * (methods.size() * profiles.size() + 1)));
+  progress_bar bar("compare", int(scenes.size() * (methods.size() + 1)));
   nlohmann::ordered_json all = nlohmann::ordered_json::array();
   printf("%s\n", table_heading().c_str());
   for (const sim::scene& s : scenes) {
     const bench on(s, o.drawing.resolve().background, o.drawing.repeat);
-    save(s.name + "-reference", on.reference_picture());
+    save(s, "reference", on.reference_picture());
     bar.advance(1);
-    for (const sim::profile_choice profile : profiles)
-      for (method m : methods) {
-        m.profile = profile;
-        const judged j = on.judge(m);
-        printf("%s\n", table_line(j).c_str());
-        save(s.name + "-" + file_name_of(j.how), j.picture);
-        all.push_back(to_json(j));
-        bar.advance(1);
-      }
+    for (const method& m : methods) {
+      const judged j = on.judge(m);
+      printf("%s\n", table_line(j).c_str());
+      save(s, file_name_of(m), j.picture);
+      all.push_back(to_json(j));
+      bar.advance(1);
+    }
   }
   if (json.wanted()) json.write(all.dump(2) + "\n");
 }

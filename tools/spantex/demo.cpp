@@ -106,6 +106,8 @@ std::vector<method> methods_of(const sim::scene& s) {
 void run(const demo_options& o) {
   need(o.texture, demo_options().texture, "python3-skimage");
   need(o.models, demo_options().models, "assimp-testmodels");
+  if (std::filesystem::path(sim::place_of(o.texture)).parent_path() == sim::place_of(o.out))
+    throw sim::input_error("--texture: " + o.texture + " lies in the folder of --out, where a picture might replace it");
   make_folder(o.out);
   const std::vector<sim::scene> all = scenes(o);
   int total = 0;

@@ -9,6 +9,8 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <map>
+#include <set>
 #include <utility>
 
 #include <sim/model.hpp>
@@ -89,11 +91,18 @@ std::vector<std::string> split(const std::string& text, char separator) {
   return parts;
 }
 
-void check_outputs_differ(const std::vector<named_output>& outputs) {
-  for (size_t k = 0; k < outputs.size(); ++k)
-    for (size_t n = 0; n < k; ++n)
-      if (!outputs[k].path.empty() && !outputs[n].path.empty() && sim::same_output(outputs[n].path, outputs[k].path))
-        throw input_error(outputs[n].option + " and " + outputs[k].option + ": both would write " + outputs[k].path);
+void check_outputs(const std::vector<named_output>& outputs, const std::vector<std::string>& inputs) {
+  std::set<std::string> read;
+  for (const std::string& path : inputs)
+    if (!path.empty()) read.insert(sim::place_of(path));
+  std::map<std::string, std::string> writer;
+  for (const auto& [option, path] : outputs) {
+    const std::string place = path.empty() ? "" : sim::place_of(path);
+    if (place.empty()) continue;
+    if (read.contains(place)) throw input_error(option + ": would replace " + path + ", which is read");
+    const auto [other, is_new] = writer.try_emplace(place, option);
+    if (!is_new) throw input_error(other->second + " and " + option + ": both would write " + path);
+  }
 }
 
 void refuse_repeats(const char* option, std::vector<std::string> names) {
@@ -367,6 +376,7 @@ subject_options::loaded::loaded(const subject_options& o, const drawing_options&
   if (!o.texture.empty()) {
     sim::map_list maps;
     maps.push_back(load_map(o.texture, d));
+    files_.push_back(o.texture);
     request_.maps = std::make_shared<const sim::map_list>(std::move(maps));
   }
   camera_.skips_outside = (parse_no_skip(d.no_skip).drawing & only(skip::outside)) != 0;
@@ -378,6 +388,7 @@ subject_options::loaded::loaded(const subject_options& o, const drawing_options&
   if (d.wrap_given()) wanted.wrap_u = wanted.wrap_v = request_.wrap_u;
   if (!sim::is_level(name_)) {
     world_ = std::make_shared<const sim::world>(sim::load_model(name_, wanted));
+    files_ = world_->files;
     if (camera_.distance_radii == 0) camera_.distance = sim::framing_distance(*world_, camera_, request_.size);
     return;
   }
@@ -386,6 +397,7 @@ subject_options::loaded::loaded(const subject_options& o, const drawing_options&
     fprintf(stderr, "%s: %zu textures without a picture are grey\n", level_->drawn.name.c_str(), level_->missing.size());
   walks_ = o.camera.empty() && !camera_.eye;
   world_ = std::shared_ptr<const sim::world>(level_, &level_->drawn);
+  files_ = world_->files;
 }
 
 sim::scene subject_options::loaded::seen_from(const sim::viewpoint& v) const {

@@ -88,8 +88,8 @@ void make_folder(const std::string& path);
 
 // An option and the file that it names; an empty path is none.
 struct named_output { std::string option, path; };
-// Refuses two outputs that would be one file.
-void check_outputs_differ(const std::vector<named_output>& outputs);
+// Refuses two outputs that would be one file, and one that would replace a file that is read.
+void check_outputs(const std::vector<named_output>& outputs, const std::vector<std::string>& inputs);
 
 // Behind what an option says: what counts without it.
 std::string unless_given(const std::string& of_profile_default);
@@ -148,6 +148,7 @@ struct subject_options {
     // A level without a camera of its own: frames are a walk, not a turntable. Seen from its first place where one frame is asked for.
     bool walks() const { return walks_; }
     bool is_model() const { return world_ != nullptr; }
+    const std::vector<std::string>& files() const { return files_; }  // that it was read from
     sim::scene seen_from(const sim::viewpoint& v) const;
     std::vector<sim::viewpoint> walk(int frames) const { return sim::tour(*level_, frames); }
 
@@ -155,6 +156,7 @@ struct subject_options {
     sim::scene_request request_;
     std::string name_;
     std::optional<sim::matrix> matrix_;
+    std::vector<std::string> files_;
     std::shared_ptr<const sim::level> level_;
     std::shared_ptr<const sim::world> world_;  // a model's or the level's
     sim::camera_options camera_;

@@ -24,7 +24,7 @@ void run(const plane_options& o) {
   if (o.psnr) refuse_reference(drawing, "--psnr");
   const sim::screen_size size = parse_size(o.size);
   const sim::matrix m = parse_matrix(o.matrix, size);
-  check_outputs_differ({{"--out", o.out}, {"--stats", o.stats}});
+  check_outputs({{"--out", o.out}, {"--stats", o.stats}}, {o.texture});
   const sim::output_file out(o.out);
   const sim::output_file stats = wanted_output(o.stats);
   sim::map_list maps;

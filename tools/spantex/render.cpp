@@ -71,17 +71,19 @@ nlohmann::ordered_json frame_json(const sim::scene& s, const sim::draw_result& r
   return j;
 }
 
+void check_files(const render_options& o, const std::vector<sim::output_file>& frames, std::vector<std::string> inputs) {
+  inputs.push_back(o.path);
+  std::vector<named_output> outputs{{"--stats", o.stats}, {"--reference", o.reference}};
+  for (const sim::output_file& f : frames) outputs.push_back({"--out", f.path()});
+  check_outputs(outputs, inputs);
+}
+
 std::vector<sim::output_file> outputs(const render_options& o, const std::vector<sim::viewpoint>& path) {
-  check_outputs_differ({{"--out", o.out}, {"--stats", o.stats}, {"--reference", o.reference}});
   const int frames = o.path.empty() ? o.frames.value_or(0) : int(path.size());
   if (!o.frames && o.path.empty()) return {sim::output_file(o.out)};
   if (o.path.empty()) check_range("--frames", *o.frames, 1, most_frames);
   std::vector<sim::output_file> files;
-  for (int k = 0; k < frames; ++k) {
-    const std::string name = frame_name(o.out, k);
-    check_outputs_differ({{"--out", name}, {"--stats", o.stats}, {"--reference", o.reference}});
-    files.emplace_back(name);
-  }
+  for (int k = 0; k < frames; ++k) files.emplace_back(frame_name(o.out, k));
   return files;
 }
 
@@ -98,6 +100,7 @@ void run(const render_options& o) {
   const std::vector<sim::output_file> files = outputs(o, views);
   const sim::output_file stats = wanted_output(o.stats);
   const subject_options::loaded subject(o.subject, o.drawing);
+  check_files(o, files, subject.files());
   if (!o.path.empty() && !subject.is_model()) throw sim::input_error("--path: '" + o.subject.subject + "' has its own view; only models and levels take a camera");
   if (o.path.empty() && files.size() > 1 && !subject.turns())
     throw sim::input_error("--frames: the view of '" + o.subject.subject + "' is fixed, every frame equal");

@@ -105,7 +105,7 @@ void run(const texture_options& o) {
   if (o.out.empty() && o.c_array.empty()) throw sim::input_error("texture: nothing to write: give --out, --c-array or both");
   if (is_other_source(o.out)) throw sim::input_error("--out: '" + o.out + "': a C array's name ends in .c or .h, a pack's in .stx");
   if (!o.c_array.empty() && !is_source(o.c_array)) throw sim::input_error("--c-array: '" + o.c_array + "' does not end in .h or .c");
-  check_outputs_differ({{"--out", o.out}, {"--c-array", o.c_array}});
+  check_outputs({{"--out", o.out}, {"--c-array", o.c_array}}, {o.picture});
   const sim::output_file out = wanted_output(o.out), source = wanted_output(o.c_array);
   const sim::image picture = sim::load_image(o.picture);
   set_level_count(o, picture, c);

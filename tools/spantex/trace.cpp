@@ -52,9 +52,10 @@ void print_summary(const sim::counters& m) {
 void run(const trace_options& o) {
   sim::draw_options drawing = o.drawing.resolve();
   if (o.vcd.empty() && o.json.empty()) throw sim::input_error("trace: nothing to write: give --vcd, --json or both");
-  check_outputs_differ({{"--vcd", o.vcd}, {"--json", o.json}, {"--out", o.out}, {"--stats", o.stats}});
   const sim::output_file vcd = wanted_output(o.vcd), json = wanted_output(o.json), out = wanted_output(o.out), stats = wanted_output(o.stats);
-  const sim::scene s = subject_options::loaded(o.subject, o.drawing).at(0);
+  const subject_options::loaded subject(o.subject, o.drawing);
+  check_outputs({{"--vcd", o.vcd}, {"--json", o.json}, {"--out", o.out}, {"--stats", o.stats}}, subject.files());
+  const sim::scene s = subject.at(0);
   std::ostringstream waveform, timeline;
   sim::draw_result r;
   {
