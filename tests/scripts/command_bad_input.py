@@ -98,6 +98,7 @@ def make_inputs(folder):
         with open(folder / name, "wb") as file:
             file.truncate(size)
     (folder / "link.png").symlink_to("small.png")
+    (folder / "full.h").symlink_to("/dev/full")
     (folder / "folder").mkdir()
     (folder / "folder" / "tilted-reference.png").write_bytes(good)
 
@@ -197,6 +198,11 @@ CASES = [
     (plane(out=""), ["out"]),
     (plane(stats="no/stats.json"), ["no/stats.json", "cannot write"]),
     (plane(out="/dev/full"), ["/dev/full", "cannot write"]),
+    # the last output cannot be written: none is
+    *[(arguments, [full, "cannot write"]) for arguments, full in (
+        (plane(stats="/dev/full"), "/dev/full"), (render("fig6", "--reference", "r.png", "--stats", "/dev/full"), "/dev/full"), (render("fig6", "--stats", "s.json", "--reference", "/dev/full"), "/dev/full"),
+        (texture("good.png", "--out", "o.stx", "--c-array", "full.h"), "full.h"), (["trace", "fig6", "--size", "32x24", "--vcd", "t", "--json", "j", "--out", "o.png", "--stats", "/dev/full"], "/dev/full"),
+        (["bench-rig", "run", "tilted", "--size", "8x8", "--simulated", "--json", "j", "--timeline", "t", "--record", "r", "--out", "/dev/full"], "/dev/full"))],
     (render("fig6", "--out", "no/f-%04d.png", "--frames", "2"), ["no/f-0000.png", "cannot write"]),
     (["trace", "fig6", "--size", "32x24", "--vcd", "no/t.vcd"], ["no/t.vcd", "cannot write"]),
     (["trace", "fig6", "--size", "32x24"], ["--vcd", "--json"]),

@@ -288,11 +288,13 @@ void run(const run_options& o) {
     j["first_difference"] = {{"text", d->text()}, {"span_x", d->span_x}, {"span_y", d->span_y}, {"pixel", d->pixel}, {"stage", to_string(d->where)},
                              {"operation", d->operation_index}, {"half", int(d->which)}};
   if (!trouble.empty()) j["failed"] = trouble;
-  if (report.wanted()) report.write(j.dump(2) + "\n");
-  if (trace.wanted()) trace.write(events.text());
-  if (record.wanted()) record.write(bytes_of(log));
+  sim::output_files files;
+  if (report.wanted()) files.write(report, j.dump(2) + "\n");
+  if (trace.wanted()) files.write(trace, events.text());
+  if (record.wanted()) files.write(record, bytes_of(log));
+  if (out.wanted() && trouble.empty()) files.write(out, sim::encode_png(r.picture));
+  files.commit();
   if (!trouble.empty() && !d) c.give_up(trouble);
-  if (out.wanted() && trouble.empty()) out.write(sim::encode_png(r.picture));
 
   const bench_counters& k = bench.counters();
   const auto count = [](uint64_t n) { return static_cast<unsigned long long>(n); };

@@ -35,9 +35,10 @@ void run(const plane_options& o) {
   const sim::draw_result r = draw_with_bar(s, drawing);
   std::optional<double> psnr_db;
   if (o.psnr) psnr_db = reference_psnr_db(s, r.picture, drawing.background);
-  const sim::bytes png = sim::encode_png(r.picture);
-  out.write(png);
-  if (stats.wanted()) stats.write(stats_json(r, drawing, psnr_db));
+  sim::output_files files;
+  files.write(out, sim::encode_png(r.picture));
+  if (stats.wanted()) files.write(stats, stats_json(r, drawing, psnr_db));
+  files.commit();
   if (psnr_db) printf("PSNR against the reference: %.2f dB\n", *psnr_db);
 }
 

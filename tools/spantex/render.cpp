@@ -109,6 +109,7 @@ void run(const render_options& o) {
   const auto scene_of = [&](size_t k) { return views.empty() ? subject.at(360.0 * double(k) / double(files.size())) : subject.seen_from(views[k]); };
   nlohmann::ordered_json report, frames;
   sim::frame_before before;
+  sim::output_files written;
   const bool keeps = files.size() > 1 && parse_no_skip(o.drawing.no_skip).unchanged;
   for (size_t k = 0; k < files.size(); ++k) {
     const auto begun = std::chrono::steady_clock::now();
@@ -119,13 +120,15 @@ void run(const render_options& o) {
     if (o.psnr) psnr_db = reference_psnr_db(s, r.picture, drawing.background);
     if (k == 0) report = nlohmann::ordered_json::parse(stats_json(r, drawing, psnr_db));
     if (stats.wanted() && files.size() > 1) frames.push_back(frame_json(s, r, set_up_ns));
-    files[k].write(sim::encode_png(r.picture));
+    written.write(files[k], sim::encode_png(r.picture));
+    if (files.size() > 1) written.commit();  // frames as they are drawn
     if (psnr_db) printf("%s: PSNR against the reference: %.2f dB\n", files[k].path().c_str(), *psnr_db);
   }
   if (!frames.empty()) report["frames"] = frames;
-  if (stats.wanted()) stats.write(report.dump(2) + "\n");
+  if (stats.wanted()) written.write(stats, report.dump(2) + "\n");
   if (reference.wanted())
-    reference.write(sim::encode_png(sim::rounded(sim::render_reference(scene_of(0), drawing.background, sim::hardware_threads()))));
+    written.write(reference, sim::encode_png(sim::rounded(sim::render_reference(scene_of(0), drawing.background, sim::hardware_threads()))));
+  written.commit();
 }
 
 }  // namespace

@@ -75,10 +75,10 @@ bool is_other_source(const std::string& path) {
   return !is_source(path) && std::find(others.begin(), others.end(), suffix) != others.end();
 }
 
-void write(const sim::output_file& file, const sim::bytes& pack) {
-  if (!is_source(file.path())) return file.write(pack);
+void write(const sim::output_file& file, const sim::bytes& pack, sim::output_files& files) {
+  if (!is_source(file.path())) return files.write(file, pack);
   const auto linkage = file.path().ends_with(".c") ? sim::c_linkage::external : sim::c_linkage::internal;
-  file.write(sim::c_array(pack, sim::identifier_of(file.path()), linkage));
+  files.write(file, sim::c_array(pack, sim::identifier_of(file.path()), linkage));
 }
 
 // A contour map of the picture's outline.
@@ -110,8 +110,10 @@ void run(const texture_options& o) {
   const sim::image picture = sim::load_image(o.picture);
   set_level_count(o, picture, c);
   const sim::bytes pack = o.field ? compiled_field(o, picture, c) : compiled(picture, c);
-  if (out.wanted()) write(out, pack);
-  if (source.wanted()) write(source, pack);
+  sim::output_files files;
+  if (out.wanted()) write(out, pack, files);
+  if (source.wanted()) write(source, pack, files);
+  files.commit();
 }
 
 }  // namespace

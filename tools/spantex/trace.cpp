@@ -68,10 +68,12 @@ void run(const trace_options& o) {
     drawing.sink = &sink;
     r = draw_with_bar(s, drawing);
   }
-  if (vcd.wanted()) vcd.write(waveform.view());
-  if (json.wanted()) json.write(timeline.view());
-  if (out.wanted()) out.write(sim::encode_png(r.picture));
-  if (stats.wanted()) stats.write(stats_json(r, drawing, {}));
+  sim::output_files files;
+  if (vcd.wanted()) files.write(vcd, waveform.view());
+  if (json.wanted()) files.write(json, timeline.view());
+  if (out.wanted()) files.write(out, sim::encode_png(r.picture));
+  if (stats.wanted()) files.write(stats, stats_json(r, drawing, {}));
+  files.commit();
   print_summary(r.machine);
 }
 
