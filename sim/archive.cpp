@@ -60,6 +60,13 @@ search_path::search_path(const std::string& folder) : folder_(folder) {
   }
 }
 
+std::vector<std::string> search_path::archives() const {
+  std::vector<std::string> paths;
+  for (const std::vector<archive>* some : {&preferred_, &archives_})
+    for (const archive& a : *some) paths.push_back(a.path());
+  return paths;
+}
+
 namespace {
 
 std::optional<found_file> found_in(const std::vector<archive>& archives, const std::string& name) {

@@ -35,6 +35,7 @@ class search_path {
  public:
   explicit search_path(const std::string& folder);  // the folder and every readable .pk3 in it, by name
   void prefer(archive a) { preferred_.push_back(std::move(a)); }  // before the folder
+  std::vector<std::string> archives() const;
   // Empty if nowhere. A name with ".." or from the root is nowhere.
   std::optional<found_file> read(const std::string& name) const;
 

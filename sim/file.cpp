@@ -91,12 +91,12 @@ std::string lower(std::string name) {
   return name;
 }
 
-bool same_output(const std::string& a, const std::string& b) {
-  const fs::path p = resolved(a), q = resolved(b);
-  if (is_special(p) || is_special(q)) return false;
+std::string place_of(const std::string& path) {
+  const fs::path target = resolved(path);
+  if (is_special(target)) return {};
   std::error_code error;
-  const fs::path whole_p = fs::weakly_canonical(p, error), whole_q = fs::weakly_canonical(q, error);
-  return whole_p.empty() || whole_q.empty() ? p == q : fs::absolute(whole_p, error) == fs::absolute(whole_q, error);
+  const fs::path whole = fs::weakly_canonical(target, error);
+  return fs::absolute(whole.empty() ? target : whole, error).string();
 }
 
 bytes read_file(const std::string& path) {
@@ -125,15 +125,38 @@ output_file::output_file(std::string path) : path_(std::move(path)) {
   if (!trial.good()) fail(path_, "cannot write", trial.error());
 }
 
-void output_file::write(const uint8_t* data, size_t size) const {
-  const fs::path target = resolved(path_);
+void output_file::write(const bytes& data) const {
+  output_files alone;
+  alone.write(*this, data);
+  alone.commit();
+}
+
+void output_file::write(std::string_view text) const {
+  output_files alone;
+  alone.write(*this, text);
+  alone.commit();
+}
+
+output_files::~output_files() {
+  for (const waiting_file& w : waiting_) unlink(w.temporary.c_str());
+}
+
+void output_files::write(const std::string& path, const uint8_t* data, size_t size) {
+  const fs::path target = resolved(path);
   const bool special = is_special(target);
   descriptor out(special ? target.string() : temporary_beside(target), special ? O_WRONLY : O_WRONLY | O_CREAT | O_EXCL, !special);
-  if (!out.good()) fail(path_, "cannot write", out.error());
-  write_all(out.number(), data, size, path_);
+  if (!out.good()) fail(path, "cannot write", out.error());
+  write_all(out.number(), data, size, path);
   if (special) return;
-  if (rename(out.path().c_str(), target.c_str()) != 0) fail(path_, "cannot write", errno);
+  waiting_.push_back({path, out.path(), target.string()});
   out.keep();
+}
+
+void output_files::commit() {
+  for (; !waiting_.empty(); waiting_.erase(waiting_.begin())) {
+    const waiting_file& w = waiting_.front();
+    if (rename(w.temporary.c_str(), w.target.c_str()) != 0) fail(w.path, "cannot write", errno);
+  }
 }
 
 }  // namespace spantex::sim

@@ -31,9 +31,8 @@ class output_file {
   explicit output_file(std::string path);
   bool wanted() const { return !path_.empty(); }
   const std::string& path() const { return path_; }
-  void write(const uint8_t* data, size_t size) const;
-  void write(const bytes& data) const { write(data.data(), data.size()); }
-  void write(std::string_view text) const { write(reinterpret_cast<const uint8_t*>(text.data()), text.size()); }
+  void write(const bytes& data) const;
+  void write(std::string_view text) const;
 
  private:
   std::string path_;
@@ -42,7 +41,25 @@ class output_file {
 // ASCII letters as small ones: names whose case is ignored.
 std::string lower(std::string name);
 
-// Whether writing both would replace one file twice: the same path after links and dots. Devices and pipes take any number.
-bool same_output(const std::string& a, const std::string& b);
+// Files that belong together: all are written under temporary names before the first takes its own, and none is left where one cannot be written.
+class output_files {
+ public:
+  output_files() = default;
+  output_files(const output_files&) = delete;
+  output_files& operator=(const output_files&) = delete;
+  ~output_files();
+  void write(const output_file& file, const bytes& data) { write(file.path(), data.data(), data.size()); }
+  void write(const output_file& file, std::string_view text) { write(file.path(), reinterpret_cast<const uint8_t*>(text.data()), text.size()); }
+  void commit();  // they take their names; what was written to devices and pipes is there already
+
+ private:
+  void write(const std::string& path, const uint8_t* data, size_t size);
+
+  struct waiting_file { std::string path, temporary, target; };
+  std::vector<waiting_file> waiting_;
+};
+
+// A file's one name, after links and dots: what is written to one place replaces what was there. Empty for devices and pipes, which take any number.
+std::string place_of(const std::string& path);
 
 }  // namespace spantex::sim

@@ -10,6 +10,8 @@
 #include <memory>
 #include <new>
 
+#include "pack.hpp"
+
 namespace {
 
 // stb_image_write's own compressor takes three times as long and leaves a third more. Null: no memory; freed by free().
@@ -155,6 +157,7 @@ image decode_image(const uint8_t* data, size_t size, const std::string& name) {
   constexpr size_t signature_bytes = 8;
   if (size == 0) throw input_error(name + ": not a picture: file is empty");
   if (size >= signature_bytes && png_sig_cmp(data, 0, signature_bytes) == 0) return decode_png(data, size, name);
+  if (is_pack(data, size)) throw input_error(name + ": a texture pack; here a picture is needed");
   int width = 0, height = 0, channels = 0;
   source header{data, size};
   if (stbi_info_from_callbacks(&callbacks, &header, &width, &height, &channels) != 0) check_size(width, height, name);

@@ -251,6 +251,7 @@ level read_level(const std::string& name, const bytes& file, const search_path& 
     to_texels(f, maps[size_t(f.map_index)].view_on_demand(), name);
   }
   l.drawn.maps = std::make_shared<const map_list>(std::move(maps));
+  l.drawn.files = files.archives();
   l.drawn.measure();
   if (!l.drawn.has_area()) throw input_error(name + ": nothing to draw: no face has an area");
   return l;
@@ -271,7 +272,9 @@ level load_level(const std::string& path, const std::string& map, const model_op
   }
   if (!map.empty()) throw input_error("--map: " + path + " is one map; only an archive has many");
   if (folder.filename() == "maps") folder = folder.has_parent_path() ? folder.parent_path() : fs::path(".");
-  return read_level(path, read_file(path), search_path(folder.string()), options);
+  level l = read_level(path, read_file(path), search_path(folder.string()), options);
+  l.drawn.files.push_back(path);
+  return l;
 }
 
 }  // namespace spantex::sim

@@ -75,13 +75,13 @@ texture_map colour_map(const aiMaterial& material, const model_options& o) {
   return {image(1, 1, {byte(c.r), byte(c.g), byte(c.b), 255}), prefilter::box, wrap::repeat, wrap::repeat, o.format, o.colours};
 }
 
-texture_map material_map(const aiScene& file, const aiMaterial& material, const std::string& path, const model_options& o) {
+texture_map material_map(const aiScene& file, const aiMaterial& material, const std::string& path, const model_options& o, std::vector<std::string>& files) {
   for (const aiTextureType type : {aiTextureType_DIFFUSE, aiTextureType_BASE_COLOR}) {
     aiString name;
     if (material.GetTexture(type, 0, &name) != aiReturn_SUCCESS) continue;
     const aiTexture* embedded = file.GetEmbeddedTexture(name.C_Str());
     image picture = embedded != nullptr ? embedded_picture(*embedded, path + ": texture '" + one_line(name.C_Str()) + "'")
-                                        : load_image(find_texture(path, name.C_Str()).string());
+                                        : load_image(files.emplace_back(find_texture(path, name.C_Str()).string()));
     for (rgba8& c : picture.pixels) c.a = 255;
     int u = aiTextureMapMode_Wrap, v = aiTextureMapMode_Wrap;
     aiGetMaterialInteger(&material, AI_MATKEY_MAPPINGMODE_U(type, 0), &u);
@@ -176,9 +176,9 @@ world load_model(const std::string& path, const model_options& options) {
   check_coordinates(processed(importer, importer.ReadFile(path, aiProcess_GenUVCoords | aiProcess_TransformUVCoords), path), path);
   const unsigned flat = aiProcess_Triangulate | aiProcess_PreTransformVertices | aiProcess_SortByPType;
   const aiScene* const file = &processed(importer, importer.ApplyPostProcessing(flat), path);
-  world w{path, nullptr, {}, {}, 0};
+  world w{path, nullptr, {}, {}, 0, {path}};
   map_list maps;
-  for (unsigned k = 0; k < file->mNumMaterials; ++k) maps.push_back(material_map(*file, *file->mMaterials[k], path, options));
+  for (unsigned k = 0; k < file->mNumMaterials; ++k) maps.push_back(material_map(*file, *file->mMaterials[k], path, options, w.files));
   for (unsigned k = 0; k < file->mNumMeshes; ++k) {
     const aiMesh& mesh = *file->mMeshes[k];
     if ((mesh.mPrimitiveTypes & aiPrimitiveType_TRIANGLE) == 0) continue;

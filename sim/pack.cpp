@@ -2,12 +2,12 @@
 #include "pack.hpp"
 
 #include <stdio.h>
-#include <string.h>
 
 #include <algorithm>
 #include <array>
 #include <filesystem>
 #include <stdexcept>
+#include <string_view>
 
 #include "inverse_filter.hpp"
 
@@ -26,6 +26,15 @@ bytes in_order(bytes texels, texel_format format, pf::byte_order order) {
 image as_stored(texel_format format, const image& level, const palette& colours = {}) {
   return decode_level(format, encode_level(format, level, colours), level.width_px, level.height_px, colours);
 }
+
+// What no array can be called: words of C and C++, what the source itself uses, main, and what compilers for Unix define.
+constexpr std::string_view taken_names =
+    " _Alignas _Alignof _Atomic _BitInt _Bool _Complex _Decimal128 _Decimal32 _Decimal64 _Generic _Imaginary _Noreturn _Static_assert _Thread_local alignas "
+    "alignof and and_eq asm auto bitand bitor bool break case catch char char16_t char32_t char8_t class co_await co_return co_yield compl concept const "
+    "const_cast consteval constexpr constinit continue decltype default delete do double dynamic_cast else enum explicit export extern false float for "
+    "friend goto if inline int linux long main mutable namespace new noexcept not not_eq nullptr operator or or_eq private protected public register "
+    "reinterpret_cast requires restrict return short signed sizeof static static_assert static_cast struct switch template this thread_local throw true try "
+    "typedef typeid typename typeof typeof_unqual uint32_t uint64_t uint8_t union unix unsigned using virtual void volatile wchar_t while xor xor_eq ";
 
 bool all_on_their_side(const image& wanted, const image& got, uint8_t threshold) {
   for (size_t k = 0; k < wanted.pixels.size(); ++k)
@@ -306,14 +315,13 @@ bytes compile_contour_pack(const std::vector<image>& levels, const contour_style
   return pack_of(levels, most == 0 ? palette{} : make_palette(levels[0], most), o, &style);
 }
 
-bool is_pack(const bytes& data) { return data.size() >= sizeof pf::magic && memcmp(data.data(), pf::magic, sizeof pf::magic) == 0; }
-
 std::string identifier_of(const std::string& path) {
   std::string name = std::filesystem::path(path).stem().string();
   const auto plain = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9'); };
   for (char& c : name)
     if (!plain(c)) c = '_';
-  return name.empty() || (name[0] >= '0' && name[0] <= '9') ? "map_" + name : name;
+  const bool taken = taken_names.find(" " + name + " ") != std::string_view::npos;
+  return name.empty() || taken || (name[0] >= '0' && name[0] <= '9') ? "map_" + name : name;
 }
 
 std::string c_array(const bytes& pack, const std::string& name, c_linkage linkage) {

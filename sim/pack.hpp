@@ -2,6 +2,7 @@
 // The map compiler: a picture to a texture pack (spantex/pack.hpp, docs/TEXTURES.md). Integers only: the same bytes on every machine.
 #pragma once
 #include <stdint.h>
+#include <string.h>
 
 #include <string>
 #include <vector>
@@ -54,13 +55,13 @@ struct alpha_coverage { int64_t kept, texels; };
 alpha_coverage coverage_of(const image& level, uint8_t threshold);
 void keep_coverage(image& level, uint8_t threshold, const alpha_coverage& wanted);
 
-bool is_pack(const bytes& data);
+inline bool is_pack(const uint8_t* data, size_t size) { return size >= sizeof pack_format::magic && memcmp(data, pack_format::magic, sizeof pack_format::magic) == 0; }
 
 // A C99 (and C++) source with the pack: `static const` in a header, external names in a source. Names NAME and NAME_bytes.
 enum class c_linkage : uint8_t { internal, external };
 std::string c_array(const bytes& pack, const std::string& name, c_linkage linkage);
 
-// A C identifier from a file's name: brick-2.stx gives brick_2.
+// A C and C++ identifier from a file's name: brick-2.stx gives brick_2, 2.c map_2, int.c map_int.
 std::string identifier_of(const std::string& path);
 
 }  // namespace spantex::sim

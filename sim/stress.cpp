@@ -95,7 +95,7 @@ stress_row run_family(const stress_bounds& bounds, stress_family family, const s
   std::vector<std::thread> crew;
   for (int k = 0; k < o.threads; ++k) crew.emplace_back(work);
   for (std::thread& t : crew) t.join();
-  complete = complete && !late;
+  complete = complete && done >= share;
   return total;
 }
 

@@ -30,6 +30,7 @@ struct world {
   std::vector<world_face> faces;
   vector3d centre{};
   double radius = 0;  // of the sphere about the centre that holds every corner
+  std::vector<std::string> files{};  // that it was read from: its own, pictures beside it, archives
 
   void measure();     // sets centre (of the bounding box) and radius, and the faces' bounds
   bool has_area() const;  // any face larger than the engine's smallest square; after measure()

@@ -100,7 +100,9 @@ def make_inputs(folder):
         with open(folder / name, "wb") as file:
             file.truncate(size)
     (folder / "link.png").symlink_to("small.png")
+    (folder / "full.h").symlink_to("/dev/full")
     (folder / "folder").mkdir()
+    (folder / "folder" / "tilted-reference.png").write_bytes(good)
 
 
 def plane(**changed):
@@ -168,7 +170,7 @@ CASES = [
     *[(plane() + ["--no-skip", names], ["--no-skip", names.split(",")[-1], "uniform"]) for names in ("unifrom", "uniform,", "all,none", "uniform,Held")],
     (plane() + ["--skip", "uniform"], ["--skip", "uniform", "other-half"]),
     (plane() + ["--cull", "back"], ["back", "clockwise"]), (plane() + ["--cull", "clockwise", "--psnr"], ["--psnr", "--cull"]),
-    (plane(alpha="blended") + ["--psnr"], ["--psnr", "--alpha"]),
+    (plane(alpha="blended") + ["--psnr"], ["--psnr", "--alpha"]), (render("tilted", "--alpha", "blended", "--reference", "r.png"), ["--reference:", "--alpha"]),
     (render("contour", "--filter", "contour", "--psnr"), ["--psnr", "contour"]),
     (render("fig10"), ["fig10", "fig6", "fig9", "grazing"]),
     (["paint"], ["paint", "plane", "render", "texture", "prefilters", "compare", "trace", "stress", "demo"]),
@@ -199,12 +201,17 @@ CASES = [
     (plane(out=""), ["out"]),
     (plane(stats="no/stats.json"), ["no/stats.json", "cannot write"]),
     (plane(out="/dev/full"), ["/dev/full", "cannot write"]),
+    # the last output cannot be written: none is
+    *[(arguments, [full, "cannot write"]) for arguments, full in (
+        (plane(stats="/dev/full"), "/dev/full"), (render("fig6", "--reference", "r.png", "--stats", "/dev/full"), "/dev/full"), (render("fig6", "--stats", "s.json", "--reference", "/dev/full"), "/dev/full"),
+        (texture("good.png", "--out", "o.stx", "--c-array", "full.h"), "full.h"), (["trace", "fig6", "--size", "32x24", "--vcd", "t", "--json", "j", "--out", "o.png", "--stats", "/dev/full"], "/dev/full"),
+        (["bench-rig", "run", "tilted", "--size", "8x8", "--simulated", "--json", "j", "--timeline", "t", "--record", "r", "--out", "/dev/full"], "/dev/full"))],
     (render("fig6", "--out", "no/f-%04d.png", "--frames", "2"), ["no/f-0000.png", "cannot write"]),
     (["trace", "fig6", "--size", "32x24", "--vcd", "no/t.vcd"], ["no/t.vcd", "cannot write"]),
     (["trace", "fig6", "--size", "32x24"], ["--vcd", "--json"]),
     (["trace", "--vcd", "t.vcd"], ["scene"]),
     (["demo", "--out", "good.png"], ["good.png"]),
-    (["demo", "--out", "made", "--texture", "missing.png"], ["missing.png"]),
+    (["demo", "--out", "made", "--texture", "missing.png"], ["missing.png: missing\n"]),  # not the package of another
     # models
     (render("missing.obj"), ["missing.obj", "no such model file or scene", "fig6"]),
     (render("folder"), ["folder", "directory"]),
@@ -253,7 +260,24 @@ CASES = [
     (plane(stats="./folder/../out.png"), ["--out", "--stats", "out.png"]),
     (plane(out="link.png", stats="small.png"), ["--out", "--stats", "small.png"]),
     (render("fig8", "--stats", "out.png"), ["--out", "--stats", "out.png"]),
-    (render("fig8", "--out", "f%d.png", "--frames", "3", "--stats", "f2.png"), ["--out", "--stats", "f2.png"]),
+    *[(render("fig8", "--out", "f%d.png", "--frames", "3", other, "f2.png"), ["--out", other, "f2.png"]) for other in ("--stats", "--reference")],
+    # outputs that would replace what is read
+    *[(arguments, [option, path, "read"]) for arguments, option, path in (
+        (plane(out="good.png"), "--out", "good.png"), (plane(stats="./folder/../good.png"), "--stats", "good.png"), (plane(texture="small.png", out="link.png"), "--out", "link.png"),
+        (plane(texture="good.stx", out="good.stx"), "--out", "good.stx"), (texture("good.png", "--out", "good.png"), "--out", "good.png"),
+        *[(render("textured.obj", *more), more[0], more[1]) for more in (["--out", "textured.obj"], ["--stats", "textured.obj"], ["--out", "good.png"], ["--reference", "good.png"])],
+        (render("textured.obj", "--path", "one.path", "--out", "o%d.png", "--stats", "one.path"), "--stats", "one.path"),
+        (render("tilted", "--texture", "good.png", "--out", "good.png"), "--out", "good.png"),
+        *[(["trace", "tilted", "--texture", "good.png", "--size", "32x24", "--vcd", "t", other, "good.png"], other, "good.png") for other in ("--json", "--out", "--stats")],
+        *[(["bench-rig", "run", "tilted", "--texture", "good.png", "--size", "32x24", "--simulated", other, "good.png"], other, "good.png") for other in ("--out", "--json", "--timeline", "--record")],
+        *[(["bench-rig", what, "--rig", "one.path", "--json", "one.path"], "--json", "one.path") for what in ("identify", "self-test")],
+        (["compare", "small.png", "good.png", "--diff", "good.png"], "--diff", "good.png"),
+        (["compare", "--scenes", "tilted", "--texture", "good.png", "--json", "good.png"], "--json", "good.png"),
+        (["compare", "--scenes", "textured.obj", "--json", "textured.obj"], "--json", "textured.obj"),
+        (["compare", "--scenes", "tilted", "--texture", "folder/tilted-reference.png", "--out", "folder"], "--out", "folder/tilted-reference.png"),
+        (["bench", "--scenes", "tilted", "--texture", "good.png", "--json", "good.png", "--peers", "none"], "--json", "good.png"),
+        (["sweep", "one.path", "--out", "one.path"], "--out", "one.path"), (["sweep", "one.path", "--merge", "empty.path", "--out", "empty.path"], "--out", "empty.path"))],
+    (["demo", "--out", ".", "--texture", "good.png"], ["--texture", "good.png", "--out"]),
     *[(["trace", "fig6", "--size", "32x24", "--vcd", "t", other, "./t"], ["--vcd", other, "./t"])
       for other in ("--json", "--out", "--stats")],
     (["trace", "fig6", "--size", "32x24", "--vcd", "t", "--json", "u", "--stats", "u"], ["--json", "--stats", " u"]),
@@ -272,7 +296,7 @@ CASES = [
     (["texture", "good.png"], ["--out", "--c-array"]),
     *[(texture(name), [name, why]) for name, why in (("missing.png", "No such file"), ("truncated.png", "truncated"), ("text.png", "cannot decode"),
                                                     ("wide.png", "4097x1"), ("folder", "directory"), ("/dev/zero", "512 MiB"),
-                                                    ("good.stx", "cannot decode"))],
+                                                    ("good.stx", "texture pack"))],
     (texture("good.png", "--format", "rgb332"), ["format", "rgb332", *FORMATS]),
     (plane(format="rgb332"), ["format", "rgb332", *FORMATS]),
     (texture("good.png", "--prefilter", "cubic"), ["prefilter", "cubic", "box", "triangle", "kaiser", "lanczos"]),
@@ -285,6 +309,7 @@ CASES = [
     *[(texture("good.png", "--threads", n), ["--threads", "1..256"]) for n in ("0", "257")],
     (texture("good.png", "--out", "no/o.stx"), ["no/o.stx", "cannot write"]),
     (texture("good.png", "--out", "o.stx", "--c-array", "no/o.h"), ["no/o.h", "cannot write"]),
+    *[(texture("good.png", "--out", name), ["--out", name, ".c or .h"]) for name in ("o.hpp", "o.cpp", "o.cc", "o.cxx", "o.hxx", "o.hh", "o.C", "o.H")],
     (texture("good.png", "--c-array", "array.txt"), ["--c-array", "array.txt", ".h"]),
     (texture("good.png", "--out", "o.h", "--c-array", "./o.h"), ["--out", "--c-array", "o.h"]),
     (texture("good.png", "--out", "/dev/full"), ["/dev/full", "cannot write"]),
@@ -295,8 +320,8 @@ CASES = [
         ["--srgb"], ["--prefilter", "box"], ["--inverse"], ["--alpha-weighted"], ["--alpha-test", "9"], ["--levels", "2"], ["--inverse", "--c-array", "o.h"])],
     *[(texture("good.png", "--field", "16", "--format", f), ["--field", f, "alpha"]) for f in ("l8", "rgb565", "rgb888")],
     *[(texture("good.png", "--field", "16", "--reduction", n), ["field", "multiples", n]) for n in ("0", "3", "-2", "128")],
-    *[(texture("good.png", "--field", "16", "--outline", n), ["--outline", n]) for n in ("16", "-1", "wide")],
-    (texture("good.png", "--field", "16", "--ink", "red"), ["red"]),
+    *[(texture("good.png", "--field", "16", "--outline", n), ["--outline", n, "number" if n == "wide" else "0..15.9375"]) for n in ("16", "-1", "wide")],
+    (texture("good.png", "--field", "16", "--ink", "red"), ["--ink", "red"]),
     (texture("good.png", "--field", "16", "--inside", "out"), ["inside", "out", "either", "alpha", "light", "dark"]),
     *[(texture("good.png", name, value), [name, "--field"]) for name, value in (("--reduction", "2"), ("--ink", "000000"), ("--outline", "1"), ("--inside", "dark"))],
     (plane(texture="good.png", space="object") + ["--srgb"], ["--space object", "--srgb"]),
@@ -304,7 +329,7 @@ CASES = [
     (["prefilters", "--level", "5"], ["--level", "1..4"]),
     (["prefilters", "--texture", "missing.png"], ["missing.png"]),
     # the bench
-    (["bench-rig"], ["subcommand"]),
+    (["bench-rig"], ["bench-rig", "subcommand", "self-test"]), (["bench-rig", "paint"], ["bench-rig", "paint", "self-test"]), (["bench-rig", "--rig", "r"], ["bench-rig", "--rig", "self-test"]),
     (["bench-rig", "identify"], ["--rig", "--simulated"]),
     (["bench-rig", "identify", "--rig", "good.png", "--simulated"], ["--rig", "--simulated"]),
     (["bench-rig", "identify", "--rig", "missing.json"], ["missing.json", "No such file"]),
@@ -327,7 +352,8 @@ CASES = [
     (plane(texture="good.stx", wrap="clamp"), ["--wrap", "good.stx"]),
     (plane(texture="good.stx", prefilter="box"), ["--prefilter", "good.stx"]),
     (["trace", "tilted", "--texture", "cut.stx", "--size", "32x24", "--vcd", "t"], ["cut.stx", "truncated"]),
-    (["compare", "good.png", "good.stx"], ["good.stx"]),
+    *[([*command, "good.stx"], ["good.stx", "texture pack", "picture"]) for command in (
+        ["compare", "good.png"], ["prefilters", "--texture"], ["bench", "--scenes", "tilted", "--peers", "none", "--texture"], ["demo", "--out", "folder", "--texture"])],
     # compare
     (["compare", "good.png", "missing.png"], ["missing.png"]),
     (["compare", "good.png", "small.png"], ["small.png", "32x64", "64x64"]),
@@ -338,8 +364,11 @@ CASES = [
     (["render", "tilted", "--out", "o.png", "--space", "object", "--threads", "2"], ["--space object", "thread"]),
     *[(["render", "tilted", "--out", "o.png", "--space", "object", *more], ["--space object", "--alpha"])
       for more in (["--alpha", "blended"], ["--srgb"], ["--filter", "contour"])],
-    (["render", "tilted", "--out", "o.png", "--space", "object", "--filter", "aniso"], ["--space object", "aniso"]),
+    *[(["render", "tilted", "--out", "o.png", "--space", "object", "--filter", "aniso", *more], ["--space object", "aniso"]) for more in ([], ["--samples", "4"])],
     (["compare", "--scenes", "tilted,nowhere"], ["nowhere", "tilted"]),
+    *[(["compare", "--scenes", "tilted", "--" + name, ",".join(twice)], ["--" + name, twice[0], "twice"]) for name, twice in (
+        ("filters", ["nearest"] * 2), ("filters", ["aniso:samples=4:slack=2", "aniso:slack=2:samples=4"]), ("profiles", ["seed"] * 2))],
+    *[(["compare", "--scenes", names], ["--scenes", one, "twice"]) for names, one in (("tilted,tilted", "tilted"), ("half.obj,folder/half.xyz", "half"))],
     (["compare", "--scenes", "tilted", "--filters", "aniso,best"], ["best", "trilinear"]),
     *[(["compare", "--scenes", "tilted", "--filters", f], words) for f, words in (
         ("trilinear:slack=2", ["--slack", "aniso"]), ("aniso:slack=16", ["--slack", "0..15"]), ("aniso:samples=0", ["--samples", "1..16"]), ("aniso:samples=x", ["x", "number"]),
@@ -353,7 +382,7 @@ CASES = [
     (plane(level="minor", space="object"), ["--space object", "--level"]),
     (["chessboard"], ["--out"]), (["chessboard", "--out", "o", "--size", "0x1"], ["--size"]), (["chessboard", "--out", "o", "--profile", "best"], ["best", "seed"]),
     (["chessboard", "--out", "good.png/o"], ["good.png/o", "folder"]),
-    (render("contour", "--filter", "contour", "--reference", "r.png"), ["--psnr", "contour"]),
+    (render("contour", "--filter", "contour", "--reference", "r.png"), ["--reference:", "contour"]),
     (["compare", "--scenes", "tilted", "--profiles", "huge"], ["huge", "compact"]),
     (["compare", "--scenes", "tilted", "--size", "0x9"], ["--size", "0x9"]),
     (["compare", "--scenes", "tilted", "--texture", "missing.png"], ["missing.png"]),
@@ -366,7 +395,7 @@ CASES = [
     # stress
     *[(["stress", "--evaluations", n], ["--evaluations", n]) for n in ("0", "-5", "1e9", "10.5", "", "1000000000000001", "99999999999999999999999")],
     *[(["stress", "--evaluations", "1000", "--" + name, n], ["--" + name, n]) for name, n in (
-        ("seed", "-1"), ("seed", "0x5"), ("seconds", "-1"), ("seconds", "nan"), ("seconds", "soon"), ("threads", "0"), ("threads", "257"))],
+        ("seed", "-1"), ("seed", "0x5"), ("seconds", "-1"), ("seconds", "nan"), ("seconds", "1e12"), ("seconds", "1.1e9"), ("seconds", "soon"), ("threads", "0"), ("threads", "257"))],
     (["stress", "--profile", "best"], ["best", "seed"]),
     (["stress", "--family", "nowhere"], ["nowhere", "horizon"]),
     (["stress", "--case", "5"], ["--case", "--family"]),
@@ -376,11 +405,12 @@ CASES = [
     (["stress", "--evaluations", "1000", "--json", "no/j.json"], ["no/j.json", "cannot write"]),
     # bench
     (["bench", "--scenes", "tilted,nowhere"], ["--scenes", "nowhere", "grazing"]),
-    (["bench", "--scenes", "tilted,tilted"], ["--scenes", "twice"]),
+    *[(["bench", "--" + name, f"{one},{one}"], ["--" + name, one, "twice"])
+      for name, one in (("scenes", "tilted"), ("filters", "nearest"), ("profiles", "seed"), ("kernels", "scalar"), ("peers", "none"))],
     (["bench", "--matrix", "1,0,0,2,0,0,0,0,1"], ["--matrix", "singular"]),
     (["bench", "--matrix", "1,0,0"], ["--matrix"]),
     (["bench", "--filters", "best"], ["best", "trilinear"]),
-    (["bench", "--filters", "contour"], ["--filters", "contour"]),
+    *[([*command, "--filters", "contour"], ["--filters", "contour"]) for command in (["bench"], ["compare", "--scenes", "contour"])],
     (["bench", "--profiles", "great"], ["great", "seed"]),
     (["bench", "--kernels", "mmx"], ["mmx", "scalar"]),
     (["bench", "--kernels", "fastest"], ["--kernels", "fastest"]),

@@ -25,6 +25,10 @@ def test_help(folder):
         assert option in done("plane", "--help", cwd=folder), option
     for option in "--out --c-array --format --prefilter --wrap --inverse --alpha-weighted --alpha-test --levels --byte-order --srgb --field --inside --reduction --ink --outline --threads".split():
         assert option in done("texture", "--help", cwd=folder), option
+    for sub, said in (("plane", ["1..256", "1..1000000", *(f"profile's, {x} in profile default" for x in ("jacobian", "16", "12", "2", "-8"))]), ("render", ["1..9999"]),
+                      ("texture", ["1..256"]), ("stress", ["1..256"]), ("sweep", ["1..256"]), ("bench", ["1..1000"]), ("compare", ["1..1000000"])):
+        text = " ".join(done(sub, "--help", cwd=folder).split())
+        assert all(words in text for words in said), (sub, said, text)
 
 
 def test_stats(folder):
@@ -326,6 +330,11 @@ def test_levels(folder):
     done(*level, "--path", "p.path", "--out", "p%d.png", cwd=folder)
     assert (folder / "p0.png").read_bytes() != (folder / "p1.png").read_bytes() and not (folder / "p2.png").exists()
     assert (folder / "p0.png").read_bytes() == frames[0], "from the first place to the second"
+    assert run(*level, "--out", "pictures.pk3", cwd=folder).returncode == 2 and zipfile.is_zipfile(folder / "pictures.pk3"), "what the textures are read from"
+    (folder / "crlf.path").write_bytes((folder / "p.path").read_bytes().replace(b"\n", b"\r\n"))
+    for name in ("crlf.path", "/dev/stdin"):
+        subprocess.run([str(BINARY), *level, "--path", name, "--out", "q%d.png"], input=(folder / "p.path").read_bytes(), cwd=folder, check=True)
+        assert all((folder / f"q{k}.png").read_bytes() == (folder / f"p{k}.png").read_bytes() for k in (0, 1)), name
     (folder / "away.path").write_text(2 * "9000,9000,9000,9100,9000,9000\n")
     done(*level, "--path", "away.path", "--out", "a%d.png", "--stats", "a.json", cwd=folder)
     away, _ = json.loads((folder / "a.json").read_text())["frames"]
@@ -423,6 +432,8 @@ def test_bench(folder):
     # The same filter of the same plane: nearly our picture (null: ours exactly), but for pixman, whose coordinates are coarse.
     others = [r for r in peers if r["drawer"] != "pixman" and r["psnr_ours_db"] is not None]
     assert all(r["psnr_ours_db"] > 30 for r in others), others
+    text = done("bench", "--scenes", "facing", "--filters", "all", "--profiles", "seed", "--kernels", "scalar", "--peers", "none", "--size", "8x8", "--repeat", "1", cwd=folder)
+    assert all(f" {name} " in text for name in FILTERS) and "contour" not in text, text
     # A plane of one's own, alone and after named ones; a shift by whole texels is everybody's same picture.
     for named in ([], ["--scenes", "tilted"]):
         done("bench", *named, "--matrix", "1,0,5,0,1,-3,0,0,1", "--filters", "nearest,bilinear", "--profiles", "default", "--size", size, "--repeat", "1", "--json", "m.json", cwd=folder)
@@ -430,6 +441,12 @@ def test_bench(folder):
         assert list(dict.fromkeys(r["scene"] for r in rows)) == [*named[1:], "matrix"], named
         shifted = [r for r in rows if r["scene"] == "matrix"]
         assert {r["drawer"] for r in shifted} >= {"spantex"} and len({r["rms_error"] for r in shifted}) == 1, shifted
+
+
+def test_stress_says_that_it_was_stopped(folder):
+    for seconds, evaluations, complete in (("0.05", "1000000000000", False), ("1e9", "1000", True)):
+        text = done("stress", "--family", "horizon", "--evaluations", evaluations, "--seconds", seconds, "--json", "s.json", cwd=folder)
+        assert ("INCOMPLETE" not in text) == json.loads((folder / "s.json").read_text())["complete"] == complete, text
 
 
 def test_progress_only_on_a_terminal(folder):

@@ -519,6 +519,8 @@ SPANTEX_CASE(a_map_takes_a_pack_and_refuses_a_broken_one) {
 SPANTEX_CASE(identifiers_are_made_of_file_names) {
   assert_string_equal(identifier_of("a/b/brick-2.stx.c").c_str(), "brick_2_stx");
   assert_string_equal(identifier_of("2.h").c_str(), "map_2");
+  for (const char* word : {"int", "xor_eq", "alignas", "_Alignas", "uint8_t", "main"}) assert_string_equal(identifier_of(std::string(word) + ".c").c_str(), ("map_" + std::string(word)).c_str());
+  for (const char* name : {"Int", "ints", "in", "t"}) assert_string_equal(identifier_of(std::string(name) + ".c").c_str(), name);
 }
 
 }  // namespace

@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // spantex bench: time against error, ours and others' side by side, and how cost grows. Everything on one thread.
-#include <math.h>
 #include <stdio.h>
 
 #include <algorithm>
 #include <memory>
 #include <optional>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -35,26 +33,24 @@ struct bench_options {
   bool growth = false, counts = false, draws_only = false;
 };
 
-template <class T, size_t N>
-std::vector<T> chosen(const std::array<sim::named<T>, N>& names, const std::vector<std::string>& wanted, const char* what) {
-  std::vector<T> values;
-  const bool all = wanted == std::vector<std::string>{"all"};
-  for (const auto& n : names)
-    if (all) values.push_back(n.value);
-  if (!all)
-    for (const std::string& w : wanted) values.push_back(value_of(names, w, what));
-  return values;
+constexpr int most_rounds = 1000;
+
+std::vector<filter> filters_of(const std::vector<std::string>& names) {
+  if (names == std::vector<std::string>{"all"}) return judged_filters();
+  std::vector<filter> kinds;
+  for (const std::string& name : names) kinds.push_back(judged_filter(name));
+  return kinds;
 }
 
 bench_choice choice_of(const bench_options& o) {
-  constexpr int most_rounds = 1000;
-  if (o.rounds < 1 || o.rounds > most_rounds) throw sim::input_error("--repeat: outside 1.." + std::to_string(most_rounds));
-  bench_choice c{chosen(sim::filter_names, o.filters, "filter"), chosen(sim::profile_names, o.profiles, "profile"),
-                 chosen(sim::kernel_names, o.kernels, "kernel"), o.rounds, o.samples};
+  refuse_repeats("--filters", o.filters);
+  refuse_repeats("--profiles", o.profiles);
+  refuse_repeats("--kernels", o.kernels);
+  check_range("--repeat", o.rounds, 1, most_rounds);
+  bench_choice c{filters_of(o.filters), values_of(sim::profile_names, o.profiles, "profile"),
+                 values_of(sim::kernel_names, o.kernels, "kernel"), o.rounds, o.samples};
   std::erase(c.kernels, kernels::choice::fastest);  // every kernel under its own name
   if (c.kernels.empty()) throw sim::input_error("--kernels: fastest is one of the others; name them, or all");
-  for (const filter kind : c.filters)
-    if (kind == filter::contour) throw sim::input_error("--filters: contour is a coverage, the reference has none");
   if (o.samples) {
     if (std::count(c.filters.begin(), c.filters.end(), filter::aniso) == 0) throw sim::input_error("--samples: only filter aniso has them");
     check_changes({.max_samples = o.samples}, filter::aniso);
@@ -63,9 +59,6 @@ bench_choice choice_of(const bench_options& o) {
 }
 
 json to_json(const spread& s) { return {{"median", s.median}, {"low", s.low}, {"high", s.high}, {"least", s.least}, {"samples", s.samples}}; }
-
-// Equal pictures have no finite PSNR.
-json finite_or_null(double x) { return std::isfinite(x) ? json(x) : json(); }
 
 json to_json(const bench_row& r) {
   json j{{"scene", r.scene}, {"filter", r.filter}, {"drawer", r.drawer}};
@@ -141,7 +134,7 @@ std::vector<sim::scene> scenes_of(const bench_options& o) {
   const sim::screen_size size = parse_size(o.size);
   const bool all = o.scenes.empty() ? o.matrix.empty() : o.scenes == std::vector<std::string>{"all"};
   const std::vector<std::string> names = all ? bench_scene_names() : o.scenes;
-  if (std::set<std::string>(names.begin(), names.end()).size() != names.size()) throw sim::input_error("--scenes: one is named twice");
+  refuse_repeats("--scenes", names);
   std::vector<sim::scene> scenes;
   for (const std::string& name : names) scenes.push_back(make_bench_scene(name, size, o.maps));
   if (!o.matrix.empty()) scenes.push_back(make_bench_plane(parse_matrix(o.matrix, size), size, o.maps));
@@ -150,7 +143,8 @@ std::vector<sim::scene> scenes_of(const bench_options& o) {
 
 void measure(const bench_options& o) {
   const bench_choice choice = choice_of(o);
-  const sim::output_file out = o.out.empty() ? sim::output_file() : sim::output_file(o.out);
+  check_outputs({{"--json", o.out}}, {o.maps.texture});
+  const sim::output_file out = wanted_output(o.out);
   const peer_list peers = load_peers(o.peers);
   const std::vector<sim::scene> scenes = scenes_of(o);
   const bench_machine machine = this_machine();
@@ -189,16 +183,16 @@ void add_bench_command(CLI::App& app) {
   CLI::App& sub = *app.add_subcommand("bench", "time against error: scenes, filters, profiles, kernels, and other programs' renderers side by side");
   CLI::Option* const of_measuring[] = {
       sub.add_option("--scenes", o->scenes, joined(bench_scene_names()) + "; separated by commas, or all (which it is without --matrix)")->delimiter(','),
-      sub.add_option("--filters", o->filters, list_of(sim::filter_names) + "; or all")->delimiter(',')->capture_default_str(),
+      sub.add_option("--filters", o->filters, list_of(sim::filter_names) + "; or all; not contour")->delimiter(',')->capture_default_str(),
       sub.add_option("--profiles", o->profiles, list_of(sim::profile_names) + "; or all")->delimiter(',')->capture_default_str(),
       sub.add_option("--kernels", o->kernels, "scalar and the host's kernels, or all; one that cannot draw a scene or filter has no row there")->delimiter(',')->capture_default_str(),
       sub.add_option("--peers", o->peers, "files of the folder peers beside this command, or all, or none")->delimiter(',')->capture_default_str(),
       sub.add_option("--matrix", o->matrix, "a plane of your own, as of `spantex plane`, named matrix; after the scenes of --scenes, where they are named"),
-      sub.add_option("--texture", o->maps.texture, "map of the planes instead of a built-in one"),
+      sub.add_option("--texture", o->maps.texture, "map of the planes, a picture, instead of a built-in one"),
       sub.add_option("--models", o->maps.models, "folder of assimp's test models")->capture_default_str(),
       sub.add_option("--size", o->size, "picture size, WxH")->capture_default_str(),
-      sub.add_option("--samples", o->samples, "ours, filter aniso: at most so many samples along a footprint, 1..16"),
-      sub.add_option("--repeat", o->rounds, "turns of each; of slow ones (20 ms a picture) three at most")->capture_default_str(),
+      sub.add_option("--samples", o->samples, "ours, filter aniso: at most so many samples along a footprint, 1..16" + unless_given(std::to_string(profiles::standard.max_samples))),
+      sub.add_option("--repeat", o->rounds, "turns of each, 1.." + std::to_string(most_rounds) + "; of slow ones (20 ms a picture) three at most")->capture_default_str(),
       sub.add_flag("--growth", o->growth, "also how cost grows with pixels, polygons, map size and overdraw"),
       sub.add_option("--json", o->out, "everything measured, as JSON"),
   };

@@ -55,6 +55,7 @@ std::optional<peers::sampling> sampling_of(filter kind) {
 }  // namespace
 
 peer_list load_peers(const std::vector<std::string>& wanted) {
+  refuse_repeats("--peers", wanted);
   const std::vector<std::string> there = built();
   std::vector<std::string> names = wanted;
   if (wanted == std::vector<std::string>{"all"}) names = there;

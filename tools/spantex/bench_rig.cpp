@@ -91,6 +91,7 @@ struct connection {
   std::string name;
 
   connection(const rig_options& o, sim::profile_choice p) {
+    check_outputs({{"--json", o.json_out}}, {o.rig});
     if (o.simulated == !o.rig.empty()) throw sim::input_error("bench-rig: give --rig FILE or --simulated, one of them");
     constexpr double day_s = 86400;
     if (o.patience_s && !(*o.patience_s >= 0 && *o.patience_s <= day_s)) throw sim::input_error("--patience: must be 0 to 86400 seconds");
@@ -246,10 +247,12 @@ std::string bytes_of(const recording& log) {
 void run(const run_options& o) {
   sim::draw_options drawing = o.drawing.resolve();
   if (o.drawing.space != "screen") throw sim::input_error("bench-rig: draws in screen space only");
-  check_outputs_differ({{"--out", o.out}, {"--json", o.rig.json_out}, {"--timeline", o.timeline}, {"--record", o.record}});
-  const auto wanted = [](const std::string& path) { return path.empty() ? sim::output_file() : sim::output_file(path); };
-  const sim::output_file out = wanted(o.out), report = wanted(o.rig.json_out), trace = wanted(o.timeline), record = wanted(o.record);
-  const sim::scene s = subject_options::loaded(o.subject, o.drawing).at(0);
+  const sim::output_file out = wanted_output(o.out), report = wanted_output(o.rig.json_out), trace = wanted_output(o.timeline), record = wanted_output(o.record);
+  const subject_options::loaded subject(o.subject, o.drawing);
+  std::vector<std::string> inputs = subject.files();
+  inputs.push_back(o.rig.rig);
+  check_outputs({{"--out", o.out}, {"--json", o.rig.json_out}, {"--timeline", o.timeline}, {"--record", o.record}}, inputs);
+  const sim::scene s = subject.at(0);
 
   const connection c(o.rig, drawing.profile);
   any_engine_of<bench_engine> device(*c.lines, numbers_of(drawing.profile), c.rig.limits, some_seed());
@@ -285,11 +288,13 @@ void run(const run_options& o) {
     j["first_difference"] = {{"text", d->text()}, {"span_x", d->span_x}, {"span_y", d->span_y}, {"pixel", d->pixel}, {"stage", to_string(d->where)},
                              {"operation", d->operation_index}, {"half", int(d->which)}};
   if (!trouble.empty()) j["failed"] = trouble;
-  if (report.wanted()) report.write(j.dump(2) + "\n");
-  if (trace.wanted()) trace.write(events.text());
-  if (record.wanted()) record.write(bytes_of(log));
+  sim::output_files files;
+  if (report.wanted()) files.write(report, j.dump(2) + "\n");
+  if (trace.wanted()) files.write(trace, events.text());
+  if (record.wanted()) files.write(record, bytes_of(log));
+  if (out.wanted() && trouble.empty()) files.write(out, sim::encode_png(r.picture));
+  files.commit();
   if (!trouble.empty() && !d) c.give_up(trouble);
-  if (out.wanted() && trouble.empty()) out.write(sim::encode_png(r.picture));
 
   const bench_counters& k = bench.counters();
   const auto count = [](uint64_t n) { return static_cast<unsigned long long>(n); };

@@ -27,6 +27,9 @@ void add_sweep_command(CLI::App& app);
 // GCK09's four pictures of a scene of the chessboard into the folder, and their table; profile and background of `how` count.
 void chessboard_experiment(const sim::scene& s, sim::draw_options how, const std::string& folder);
 
+// Equal pictures have no finite PSNR: null in JSON.
+nlohmann::ordered_json finite_or_null(double x);
+
 // What --stats writes. `textures_missing`: of a level (level.hpp).
 std::string stats_help(const std::string& what);
 nlohmann::ordered_json work_json(const sim::draw_result& r);  // what was done and skipped, of the whole picture

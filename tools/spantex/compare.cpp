@@ -3,10 +3,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include <cmath>
-
 #include <filesystem>
 #include <memory>
+#include <utility>
 
 #include <nlohmann/json.hpp>
 
@@ -29,7 +28,8 @@ struct compare_options {
 std::string size_text(const sim::image& p) { return std::to_string(p.width_px) + "x" + std::to_string(p.height_px); }
 
 void compare_pictures(const compare_options& o) {
-  const sim::output_file diff = o.diff.empty() ? sim::output_file() : sim::output_file(o.diff);
+  check_outputs({{"--diff", o.diff}}, o.pictures);
+  const sim::output_file diff = wanted_output(o.diff);
   const sim::image a = sim::load_image(o.pictures[0]), b = sim::load_image(o.pictures[1]);
   if (a.width_px != b.width_px || a.height_px != b.height_px)
     throw sim::input_error(o.pictures[1] + ": picture is " + size_text(b) + ", but " + o.pictures[0] + " is " + size_text(a));
@@ -41,26 +41,13 @@ void compare_pictures(const compare_options& o) {
   printf("differing pixels  %llu of %zu\n", static_cast<unsigned long long>(d.differing_px), a.pixels.size());
 }
 
-template <class T, size_t N>
-std::vector<T> values_of(const std::array<sim::named<T>, N>& names, const std::vector<std::string>& wanted, const char* what) {
-  std::vector<T> values;
-  if (wanted.size() == 1 && wanted[0] == "all") {
-    for (const auto& n : names) values.push_back(n.value);
-    return values;
-  }
-  for (const std::string& w : wanted) values.push_back(value_of(names, w, what));
-  return values;
-}
-
-nlohmann::ordered_json number_or_null(double x) { return std::isfinite(x) ? nlohmann::ordered_json(x) : nlohmann::ordered_json(); }
-
 nlohmann::ordered_json to_json(const judged& j) {
   return {{"scene", j.scene},
           {"method", label_of(j.how)},
           {"profile", std::string(sim::name_of(sim::profile_names, j.how.profile))},
-          {"psnr_db", number_or_null(j.psnr_db)},
-          {"ssim", number_or_null(j.ssim)},
-          {"worst_error", number_or_null(j.worst)},
+          {"psnr_db", finite_or_null(j.psnr_db)},
+          {"ssim", finite_or_null(j.ssim)},
+          {"worst_error", finite_or_null(j.worst)},
           {"ns_per_pixel", j.ns_per_pixel},
           {"kernel", std::string(j.kernel)},
           {"texel_reads_per_pixel", j.texel_reads},
@@ -83,7 +70,7 @@ int parse_count(const std::string& text, const std::string& what) {
 method method_of(const std::string& text) {
   if (text == object_space) return {filter::trilinear, {}, sim::sampling_space::object};
   const std::vector<std::string> parts = split(text, ':');
-  method m{value_of(sim::filter_names, parts[0], "filter"), {}};
+  method m{judged_filter(parts[0]), {}};
   for (size_t k = 1; k < parts.size(); ++k) {
     const size_t equals = parts[k].find('=');
     const std::string name = parts[k].substr(0, equals), value = equals == std::string::npos ? "" : parts[k].substr(equals + 1);
@@ -98,52 +85,70 @@ method method_of(const std::string& text) {
   return m;
 }
 
-// all: but contour, which is no filter of pictures.
 std::vector<method> methods_of(const std::vector<std::string>& names) {
   std::vector<method> methods;
   if (names.size() == 1 && names[0] == "all") {
-    for (const auto& n : sim::filter_names)
-      if (n.value != filter::contour) methods.push_back({n.value, {}});
+    for (const filter kind : judged_filters()) methods.push_back({kind, {}});
     methods.push_back(method_of(object_space));
   } else {
     for (const std::string& n : names) methods.push_back(method_of(n));
   }
+  std::vector<std::string> labels;
+  for (const method& m : methods) labels.push_back(label_of(m));
+  refuse_repeats("--filters", std::move(labels));
   return methods;
 }
 
 void compare_methods(const compare_options& o) {
   o.drawing.resolve();
-  const std::vector<method> methods = methods_of(o.filters);
-  const std::vector<sim::profile_choice> profiles = values_of(sim::profile_names, o.profiles, "profile");
-  check_outputs_differ({{"--out", o.out}, {"--json", o.json}});
-  const sim::output_file json = o.json.empty() ? sim::output_file() : sim::output_file(o.json);
+  refuse_repeats("--profiles", o.profiles);
+  std::vector<method> methods;
+  for (const sim::profile_choice profile : values_of(sim::profile_names, o.profiles, "profile"))
+    for (method m : methods_of(o.filters)) {
+      m.profile = profile;
+      methods.push_back(m);
+    }
+  const sim::output_file json = wanted_output(o.json);
+  const std::vector<std::string> subjects = split(o.scenes, ',');
+  std::vector<std::string> names;  // in the table and of pictures
+  for (const std::string& s : subjects) names.push_back(sim::is_scene_name(s) ? s : std::filesystem::path(s).stem().string());
+  refuse_repeats("--scenes", names);
   std::vector<sim::scene> scenes;
-  for (const std::string& name : split(o.scenes, ',')) {
+  std::vector<std::string> inputs;
+  for (size_t k = 0; k < subjects.size(); ++k) {
     subject_options subject = o.subject;
-    subject.subject = name;
-    scenes.push_back(subject_options::loaded(subject, o.drawing).at(0));
-    if (scenes.back().name.empty() || !sim::is_scene_name(name)) scenes.back().name = std::filesystem::path(name).stem().string();
+    subject.subject = subjects[k];
+    const subject_options::loaded loaded(subject, o.drawing);
+    inputs.insert(inputs.end(), loaded.files().begin(), loaded.files().end());
+    scenes.push_back(loaded.at(0));
+    scenes.back().name = names[k];
   }
+  const auto path_of = [&](const sim::scene& s, const std::string& what) { return o.out + "/" + s.name + "-" + what + ".png"; };
+  std::vector<named_output> outputs{{"--out", o.out}, {"--json", o.json}};
+  for (const sim::scene& s : scenes) {
+    if (o.out.empty()) break;
+    outputs.push_back({"--out", path_of(s, "reference")});
+    for (const method& m : methods) outputs.push_back({"--out", path_of(s, file_name_of(m))});
+  }
+  check_outputs(outputs, inputs);
   if (!o.out.empty()) make_folder(o.out);
-  const auto save = [&](const std::string& name, const sim::image& picture) {
-    if (!o.out.empty()) sim::output_file(o.out + "/" + name + ".png").write(sim::encode_png(picture));
+  const auto save = [&](const sim::scene& s, const std::string& what, const sim::image& picture) {
+    if (!o.out.empty()) sim::output_file(path_of(s, what)).write(sim::encode_png(picture));
   };
-  progress_bar bar("compare", int(scenes.size() * (methods.size() * profiles.size() + 1)));
+  progress_bar bar("compare", int(scenes.size() * (methods.size() + 1)));
   nlohmann::ordered_json all = nlohmann::ordered_json::array();
   printf("%s\n", table_heading().c_str());
   for (const sim::scene& s : scenes) {
     const bench on(s, o.drawing.resolve().background, o.drawing.repeat);
-    save(s.name + "-reference", on.reference_picture());
+    save(s, "reference", on.reference_picture());
     bar.advance(1);
-    for (const sim::profile_choice profile : profiles)
-      for (method m : methods) {
-        m.profile = profile;
-        const judged j = on.judge(m);
-        printf("%s\n", table_line(j).c_str());
-        save(s.name + "-" + file_name_of(j.how), j.picture);
-        all.push_back(to_json(j));
-        bar.advance(1);
-      }
+    for (const method& m : methods) {
+      const judged j = on.judge(m);
+      printf("%s\n", table_line(j).c_str());
+      save(s, file_name_of(m), j.picture);
+      all.push_back(to_json(j));
+      bar.advance(1);
+    }
   }
   if (json.wanted()) json.write(all.dump(2) + "\n");
 }
@@ -167,13 +172,13 @@ void add_compare_command(CLI::App& app) {
   CLI::Option* const diff = sub.add_option("--diff", o->diff, "of two pictures: absolute differences, PNG");
   CLI::Option* const scenes =
       sub.add_option("--scenes", o->scenes, "scenes or models, separated by commas: every filter and profile on each of them")->excludes(diff);
-  sub.add_option("--filters", o->filters, list_of(sim::filter_names) + ", object-space (RD16); with level=, samples=, spacing=, slack=, bias= behind a colon (trilinear:level=minor, aniso:slack=8); separated by commas, or all")->delimiter(',')->needs(scenes)
+  sub.add_option("--filters", o->filters, list_of(sim::filter_names) + ", object-space (RD16); with level=, samples=, spacing=, slack=, bias= behind a colon (trilinear:level=minor, aniso:slack=8); separated by commas, or all; not contour")->delimiter(',')->needs(scenes)
       ->default_val(std::vector<std::string>{"all"});
   sub.add_option("--profiles", o->profiles, list_of(sim::profile_names) + "; or all")->delimiter(',')->needs(scenes)->capture_default_str();
   sub.add_option("--texture", o->subject.texture, "map of planes")->needs(scenes);
   sub.add_option("--size", o->subject.size, "picture size, WxH")->needs(scenes)->capture_default_str();
   sub.add_option("--prefilter", o->drawing.prefilter, list_of(sim::prefilter_names))->needs(scenes)->capture_default_str();
-  sub.add_option("--repeat", o->drawing.repeat, "time so often; the median counts")->needs(scenes)->capture_default_str();
+  sub.add_option("--repeat", o->drawing.repeat, "time so often, 1.." + std::to_string(most_repeats) + "; the median counts")->needs(scenes)->capture_default_str();
   sub.add_option("--out", o->out, "folder for the pictures and the references; made if missing")->needs(scenes);
   sub.add_option("--json", o->json, "the table as JSON")->needs(scenes);
   sub.footer("Table: against the 16x16 supersampled reference; texels and words (64 bits, into local memory) read per pixel; stalls: cycles per pixel in which the "

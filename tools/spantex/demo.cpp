@@ -34,9 +34,9 @@ struct demo_options {
 
 constexpr rgba8 background{24, 28, 36, 255};
 
-void need(const std::string& path, const char* package) {
+void need(const std::string& path, const std::string& usual, const std::string& package) {
   std::error_code ignored;
-  if (!std::filesystem::exists(path, ignored)) throw sim::input_error(path + ": missing; it is part of the Debian package " + package);
+  if (!std::filesystem::exists(path, ignored)) throw sim::input_error(path + ": missing" + (path == usual ? "; it is part of the Debian package " + package : ""));
 }
 
 std::vector<sim::scene> scenes(const demo_options& o) {
@@ -104,8 +104,10 @@ std::vector<method> methods_of(const sim::scene& s) {
 }
 
 void run(const demo_options& o) {
-  need(o.texture, "python3-skimage");
-  need(o.models, "assimp-testmodels");
+  need(o.texture, demo_options().texture, "python3-skimage");
+  need(o.models, demo_options().models, "assimp-testmodels");
+  if (std::filesystem::path(sim::place_of(o.texture)).parent_path() == sim::place_of(o.out))
+    throw sim::input_error("--texture: " + o.texture + " lies in the folder of --out, where a picture might replace it");
   make_folder(o.out);
   const std::vector<sim::scene> all = scenes(o);
   int total = 0;
@@ -139,7 +141,7 @@ void add_demo_command(CLI::App& app) {
   const auto o = std::make_shared<demo_options>();
   CLI::App& sub = *app.add_subcommand("demo", "draw the demonstration pictures and print one table");
   sub.add_option("--out", o->out, "folder for the pictures; made if missing")->required();
-  sub.add_option("--texture", o->texture, "map of the three planes")->capture_default_str();
+  sub.add_option("--texture", o->texture, "map of the three planes, a picture")->capture_default_str();
   sub.add_option("--models", o->models, "folder of assimp's test models")->capture_default_str();
   sub.callback([o] { run(*o); });
 }

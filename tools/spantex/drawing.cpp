@@ -50,6 +50,8 @@ nlohmann::ordered_json work_json(const sim::draw_result& r) {
   return j;
 }
 
+nlohmann::ordered_json finite_or_null(double x) { return std::isfinite(x) ? nlohmann::ordered_json(x) : nlohmann::ordered_json(); }
+
 std::string stats_json(const sim::draw_result& r, const sim::draw_options& o, std::optional<double> psnr_db, const std::vector<std::string>* textures_missing) {
   nlohmann::ordered_json j;
   j["profile"] = std::string(sim::name_of(sim::profile_names, o.profile));
@@ -79,8 +81,7 @@ std::string stats_json(const sim::draw_result& r, const sim::draw_options& o, st
     j["fetches"] = m.fetches;
     j["texel_reads"] = m.texel_reads;
   }
-  // Equal pictures have no finite PSNR: null.
-  if (psnr_db) j["psnr_db"] = std::isfinite(*psnr_db) ? nlohmann::ordered_json(*psnr_db) : nlohmann::ordered_json();
+  if (psnr_db) j["psnr_db"] = finite_or_null(*psnr_db);
   if (textures_missing != nullptr) j["textures_missing"] = *textures_missing;
   return j.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";  // a level's names are any bytes
 }

@@ -26,10 +26,14 @@ int refuse(std::string message) {
   return exit_bad_input;
 }
 
-std::vector<std::string> subcommand_names(const CLI::App& app) {
+// Why a word is not what must stand there, a subcommand of this one; nothing where it is one, or asks for help.
+std::string trouble_with_subcommand(const CLI::App& app, const std::string& word) {
   std::vector<std::string> names;
   for (const CLI::App* sub : app.get_subcommands([](const CLI::App*) { return true; })) names.push_back(sub->get_name());
-  return names;
+  if (names.empty() || app.get_option_no_throw(word) != nullptr || std::find(names.begin(), names.end(), word) != names.end()) return {};
+  const std::string known = " (known: " + spantex::tool::joined(names) + ")";
+  if (word.empty()) return "a subcommand is needed" + known;
+  return (word[0] == '-' ? "unknown option '" + word + "' before a subcommand" : "unknown subcommand '" + word + "'") + known;
 }
 
 }  // namespace
@@ -51,13 +55,10 @@ int main(int argc, char** argv) {
   spantex::tool::add_bench_rig_command(app);
   spantex::tool::add_sweep_command(app);
 
-  const std::vector<std::string> names = subcommand_names(app);
-  const std::string first = argc > 1 ? argv[1] : "";
-  const std::string known = " (known: " + spantex::tool::joined(names) + ")";
-  if (first.empty()) return refuse("a subcommand is needed" + known);
-  if (first[0] == '-' && first != "-h" && first != "--help" && first != "--version") return refuse("unknown option '" + first + "' before a subcommand" + known);
-  if (first[0] != '-' && std::find(names.begin(), names.end(), first) == names.end())
-    return refuse("unknown subcommand '" + first + "'" + known);
+  const auto word = [&](int k) { return std::string(k < argc ? argv[k] : ""); };
+  if (const std::string trouble = trouble_with_subcommand(app, word(1)); !trouble.empty()) return refuse(trouble);
+  if (word(1)[0] != '-')
+    if (const std::string trouble = trouble_with_subcommand(*app.get_subcommand(word(1)), word(2)); !trouble.empty()) return refuse(word(1) + ": " + trouble);
   try {
     app.parse(argc, argv);
     if (fflush(stdout) != 0 || ferror(stdout) != 0) return refuse(std::string("standard output: cannot write: ") + strerror(errno));

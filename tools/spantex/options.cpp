@@ -9,6 +9,8 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <map>
+#include <set>
 #include <utility>
 
 #include <sim/model.hpp>
@@ -89,11 +91,40 @@ std::vector<std::string> split(const std::string& text, char separator) {
   return parts;
 }
 
-void check_outputs_differ(const std::vector<named_output>& outputs) {
-  for (size_t k = 0; k < outputs.size(); ++k)
-    for (size_t n = 0; n < k; ++n)
-      if (!outputs[k].path.empty() && !outputs[n].path.empty() && sim::same_output(outputs[n].path, outputs[k].path))
-        throw input_error(outputs[n].option + " and " + outputs[k].option + ": both would write " + outputs[k].path);
+void check_outputs(const std::vector<named_output>& outputs, const std::vector<std::string>& inputs) {
+  std::set<std::string> read;
+  for (const std::string& path : inputs)
+    if (!path.empty()) read.insert(sim::place_of(path));
+  std::map<std::string, std::string> writer;
+  for (const auto& [option, path] : outputs) {
+    const std::string place = path.empty() ? "" : sim::place_of(path);
+    if (place.empty()) continue;
+    if (read.contains(place)) throw input_error(option + ": would replace " + path + ", which is read");
+    const auto [other, is_new] = writer.try_emplace(place, option);
+    if (!is_new) throw input_error(other->second + " and " + option + ": both would write " + path);
+  }
+}
+
+void refuse_repeats(const char* option, std::vector<std::string> names) {
+  std::sort(names.begin(), names.end());
+  const auto twice = std::adjacent_find(names.begin(), names.end());
+  if (twice != names.end()) throw input_error(std::string(option) + ": '" + *twice + "' is named twice");
+}
+
+filter judged_filter(const std::string& name) {
+  const filter kind = value_of(sim::filter_names, name, "filter");
+  if (kind == filter::contour) throw input_error("--filters: contour is a coverage, the reference has none");
+  return kind;
+}
+
+std::vector<filter> judged_filters() {
+  std::vector<filter> kinds = values_of(sim::filter_names, {"all"}, "filter");
+  std::erase(kinds, filter::contour);
+  return kinds;
+}
+
+void check_range(const char* option, int value, int low, int high) {
+  if (value < low || value > high) throw input_error(option + (": " + std::to_string(value)) + " is outside " + std::to_string(low) + ".." + std::to_string(high));
 }
 
 double parse_number(const std::string& text, const std::string& what) {
@@ -124,9 +155,9 @@ sim::screen_size parse_size(const std::string& text) {
   return {side(0), side(1)};
 }
 
-rgba8 parse_colour(const std::string& text) {
+rgba8 parse_colour(const std::string& text, const char* option) {
   const bool good = text.size() == 6 && text.find_first_not_of("0123456789abcdefABCDEF") == std::string::npos;
-  if (!good) throw input_error("--background: '" + text + "' is not RRGGBB");
+  if (!good) throw input_error(std::string(option) + ": '" + text + "' is not RRGGBB");
   const unsigned long value = strtoul(text.c_str(), nullptr, 16);
   return {uint8_t(value >> 16), uint8_t(value >> 8), uint8_t(value), 255};
 }
@@ -147,15 +178,17 @@ sim::matrix parse_matrix(const std::string& text, sim::screen_size size) {
   return m;
 }
 
+std::string unless_given(const std::string& of_profile_default) { return " (not given: the profile's, " + of_profile_default + " in profile default)"; }
+
 void drawing_options::add_to(CLI::App& app, bool with_engine) {
   app.add_option("--filter", filter, list_of(sim::filter_names))->capture_default_str();
   app.add_option("--space", space, "screen: spans of the screen; object: RD16, a grid on each polygon, spread over the pixels")->capture_default_str();
   app.add_option("--profile", profile, list_of(sim::profile_names))->capture_default_str();
-  app.add_option("--level", level, "level of detail instead of the profile's: jacobian (longer column), major or minor (KT88's axes)");
-  app.add_option("--samples", samples, "filter aniso: at most so many samples along a footprint, 1..16");
-  app.add_option("--spacing", spacing, "filter aniso: samples as far apart as the footprint is wide, beyond two widths 2^(this/16) times that, 0..16: quality against cost");
-  app.add_option("--slack", slack, "filter aniso: samples fewer by so many sixteenths of one, 0..15: quality against cost");
-  app.add_option("--bias", bias, "filter aniso: sixteenths added to the level of the footprint's minor axis, -16..0: sharpness against aliasing");
+  app.add_option("--level", level, "level of detail: jacobian (longer column), major or minor (KT88's axes)" + unless_given(std::string(sim::name_of(sim::level_names, profiles::standard.formula))));
+  app.add_option("--samples", samples, "filter aniso: at most so many samples along a footprint, 1..16" + unless_given(std::to_string(profiles::standard.max_samples)));
+  app.add_option("--spacing", spacing, "filter aniso: samples as far apart as the footprint is wide, beyond two widths 2^(this/16) times that, 0..16: quality against cost" + unless_given(std::to_string(profiles::standard.sample_spacing)));
+  app.add_option("--slack", slack, "filter aniso: samples fewer by so many sixteenths of one, 0..15: quality against cost" + unless_given(std::to_string(profiles::standard.sample_slack)));
+  app.add_option("--bias", bias, "filter aniso: sixteenths added to the level of the footprint's minor axis, -16..0: sharpness against aliasing" + unless_given(std::to_string(profiles::standard.sample_bias)));
   wrap_given_ = app.add_option("--wrap", wrap, list_of(sim::wrap_names))->capture_default_str();
   prefilter_given_ = app.add_option("--prefilter", prefilter, list_of(sim::prefilter_names))->capture_default_str();
   format_given_ = app.add_option("--format", format, "texels in global texture memory: " + list_of(sim::format_names))->capture_default_str();
@@ -168,8 +201,8 @@ void drawing_options::add_to(CLI::App& app, bool with_engine) {
   if (!with_engine) return;
   app.add_option("--engine", engine, list_of(sim::engine_names))->capture_default_str();
   app.add_option("--kernel", kernel, "who draws opaque, coded colours by the numbers of profile default, the bytes are the same: " + list_of(sim::kernel_names))->capture_default_str();
-  app.add_option("--threads", threads, "threads, each with its own engine")->capture_default_str();
-  app.add_option("--repeat", repeat, "draw so often; times are medians")->capture_default_str();
+  app.add_option("--threads", threads, "threads, each with its own engine, 1.." + std::to_string(most_threads))->capture_default_str();
+  app.add_option("--repeat", repeat, "draw so often, 1.." + std::to_string(most_repeats) + "; times are medians")->capture_default_str();
   app.add_option("--cull", culled, "polygons left out by how their corners run on the screen: " + list_of(sim::cull_names) + " (clockwise: the backs of closed models)")->capture_default_str();
   app.add_option("--skip", skip, "one that is off unless asked for: other-half (words of a section that the other half holds, for its time)");
   app.add_option("--no-skip", no_skip, "the picture is the same: work that the engine skips and now does, NAME[,NAME...] of " + list_of(sim::skip_names) + ", levels, unchanged, all");
@@ -177,10 +210,10 @@ void drawing_options::add_to(CLI::App& app, bool with_engine) {
 
 void check_changes(const sim::profile_changes& c, filter kind) {
   if ((c.max_samples || c.sample_spacing || c.sample_slack || c.sample_bias) && kind != filter::aniso) throw input_error("--samples, --spacing, --slack, --bias: only filter aniso has them");
-  if (c.max_samples && (*c.max_samples < 1 || *c.max_samples > max_footprint_samples)) throw input_error("--samples: outside 1..16");
-  if (c.sample_spacing && (*c.sample_spacing < 0 || *c.sample_spacing > 16)) throw input_error("--spacing: outside 0..16");
-  if (c.sample_slack && (*c.sample_slack < 0 || *c.sample_slack > 15)) throw input_error("--slack: outside 0..15");
-  if (c.sample_bias && (*c.sample_bias < -16 || *c.sample_bias > 0)) throw input_error("--bias: outside -16..0");
+  if (c.max_samples) check_range("--samples", *c.max_samples, 1, max_footprint_samples);
+  if (c.sample_spacing) check_range("--spacing", *c.sample_spacing, 0, 16);
+  if (c.sample_slack) check_range("--slack", *c.sample_slack, 0, 15);
+  if (c.sample_bias) check_range("--bias", *c.sample_bias, -16, 0);
   const bool has_level = uses_levels(kind) && !uses_footprint(kind) && !uses_area(kind);
   if (c.level && !has_level) throw input_error("--level: filter " + std::string(sim::name_of(sim::filter_names, kind)) + " has no level or its own");
 }
@@ -215,6 +248,8 @@ skip_set parse_skip(const std::string& text) {
   return text.empty() ? 0 : only(spantex::skip::other_half);
 }
 
+sim::output_file wanted_output(const std::string& path) { return path.empty() ? sim::output_file() : sim::output_file(path); }
+
 void make_folder(const std::string& path) {
   std::error_code error;
   std::filesystem::create_directories(path, error);
@@ -223,7 +258,9 @@ void make_folder(const std::string& path) {
 
 int parse_parts(const std::string& text, const char* option, double low, double high, int parts) {
   const double value = parse_number(text, option);
-  if (!(value >= low && value <= high)) throw input_error(std::string(option) + ": '" + text + "' is outside its range");
+  char range[64];
+  snprintf(range, sizeof range, "%g..%g", low, high);
+  if (!(value >= low && value <= high)) throw input_error(std::string(option) + ": '" + text + "' is outside " + range);
   return int(lround(value * parts));
 }
 
@@ -236,16 +273,15 @@ void drawing_options::parse_contour(sim::draw_options& o) const {
   if (field_scale) o.field_scale = uint16_t(parse_parts(*field_scale, "--field-scale", 1 / 16.0, 255, 256));
 }
 
-void refuse_reference(const sim::draw_options& o) {
+void refuse_reference(const sim::draw_options& o, const std::string& option) {
   if (o.how.alpha != alpha_mode::opaque || o.kind == filter::contour)
-    throw input_error("--psnr: the reference is opaque: not with --alpha or filter contour");
-  if (o.culled != sim::cull::none) throw input_error("--psnr: the reference draws every polygon: not with --cull");
+    throw input_error(option + ": the reference is opaque: not with --alpha or filter contour");
+  if (o.culled != sim::cull::none) throw input_error(option + ": the reference draws every polygon: not with --cull");
 }
 
 sim::draw_options drawing_options::resolve() const {
-  constexpr int most_threads = 256, most_repeats = 1000000;
-  if (threads < 1 || threads > most_threads) throw input_error("--threads: outside 1.." + std::to_string(most_threads));
-  if (repeat < 1 || repeat > most_repeats) throw input_error("--repeat: outside 1.." + std::to_string(most_repeats));
+  check_range("--threads", threads, 1, most_threads);
+  check_range("--repeat", repeat, 1, most_repeats);
   wrap_mode();
   level_filter();
   texels();
@@ -263,10 +299,10 @@ sim::draw_options drawing_options::resolve() const {
   if (o.space == sim::sampling_space::object) {
     if (o.engine != sim::engine_choice::direct) throw input_error("--space object: runs on engine direct only");
     if (threads != 1) throw input_error("--space object: runs on one thread only");
-    if (o.changes.any()) throw input_error("--space object: has one level a polygon: not with --level");
     if (uses_footprint(o.kind) || uses_area(o.kind)) throw input_error("--space object: filter " + filter + " has a footprint of its own; take one without");
+    if (o.changes.any()) throw input_error("--space object: has one level a polygon: not with --level");
   }
-  o.background = parse_colour(background);
+  o.background = parse_colour(background, "--background");
   o.how = parse_alpha(alpha);
   o.culled = value_of(sim::cull_names, culled, "winding");
   o.skips = parse_no_skip(no_skip).drawing | parse_skip(skip);
@@ -287,7 +323,7 @@ sim::draw_options drawing_options::resolve() const {
 
 sim::texture_map load_map(const std::string& path, const drawing_options& d) {
   sim::bytes data = sim::read_file(path);
-  if (!sim::is_pack(data) && !path.ends_with(".stx"))
+  if (!sim::is_pack(data.data(), data.size()) && !path.ends_with(".stx"))
     return {sim::decode_image(data.data(), data.size(), path), d.level_filter(), d.wrap_mode(), d.wrap_mode(), d.texels(), d.colours(), d.most_levels(), d.making()};
   if (d.wrap_given()) throw input_error("--wrap: " + path + " has its own wrap modes; give them when it is compiled");
   if (d.prefilter_given()) throw input_error("--prefilter: " + path + " has its levels; give it when it is compiled");
@@ -305,7 +341,7 @@ void subject_options::add_to(CLI::App& app, bool with_matrix) {
   app.add_option("--camera", camera, "yaw,pitch,distance: degrees, degrees, radii of the model (0: all of it in the picture)");
   app.add_option("--eye", eye, "x,y,z of the camera, with --target");
   app.add_option("--target", target, "x,y,z that the camera looks at, with --eye");
-  fov_given_ = app.add_option("--fov", fov_degrees, "angle of view of the picture's height, degrees")->capture_default_str();
+  fov_given_ = app.add_option("--fov", fov_degrees, "angle of view of the picture's height, 10..150 degrees")->capture_default_str();
   app.add_option("--map", map, "which level of a .pk3 archive");
   app.add_option("--order", order, "polygons as in the file, nearest first, or nearest first and all depths before any texture: file, nearest, depths; levels are drawn nearest first");
   if (with_matrix) app.add_option("--matrix", matrix, "instead of a scene: a plane, A,B,C,D,E,F,G,H,I")->excludes(what);
@@ -340,6 +376,7 @@ subject_options::loaded::loaded(const subject_options& o, const drawing_options&
   if (!o.texture.empty()) {
     sim::map_list maps;
     maps.push_back(load_map(o.texture, d));
+    files_.push_back(o.texture);
     request_.maps = std::make_shared<const sim::map_list>(std::move(maps));
   }
   camera_.skips_outside = (parse_no_skip(d.no_skip).drawing & only(skip::outside)) != 0;
@@ -351,6 +388,7 @@ subject_options::loaded::loaded(const subject_options& o, const drawing_options&
   if (d.wrap_given()) wanted.wrap_u = wanted.wrap_v = request_.wrap_u;
   if (!sim::is_level(name_)) {
     world_ = std::make_shared<const sim::world>(sim::load_model(name_, wanted));
+    files_ = world_->files;
     if (camera_.distance_radii == 0) camera_.distance = sim::framing_distance(*world_, camera_, request_.size);
     return;
   }
@@ -359,6 +397,7 @@ subject_options::loaded::loaded(const subject_options& o, const drawing_options&
     fprintf(stderr, "%s: %zu textures without a picture are grey\n", level_->drawn.name.c_str(), level_->missing.size());
   walks_ = o.camera.empty() && !camera_.eye;
   world_ = std::shared_ptr<const sim::world>(level_, &level_->drawn);
+  files_ = world_->files;
 }
 
 sim::scene subject_options::loaded::seen_from(const sim::viewpoint& v) const {

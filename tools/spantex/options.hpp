@@ -33,13 +33,35 @@ T value_of(const std::array<sim::named<T>, N>& names, const std::string& name, c
   throw sim::input_error(std::string("unknown ") + what + " '" + name + "' (known: " + list_of(names) + ")");
 }
 
+// By name, one after the other, or every one by "all".
+template <class T, size_t N>
+std::vector<T> values_of(const std::array<sim::named<T>, N>& names, const std::vector<std::string>& wanted, const char* what) {
+  std::vector<T> values;
+  if (wanted == std::vector<std::string>{"all"})
+    for (const auto& n : names) values.push_back(n.value);
+  else
+    for (const std::string& w : wanted) values.push_back(value_of(names, w, what));
+  return values;
+}
+
+// Refuses a name that is there twice.
+void refuse_repeats(const char* option, std::vector<std::string> names);
+
+// Filters of pictures that are judged against the reference. Refuses contour: the reference has no coverage.
+filter judged_filter(const std::string& name);
+std::vector<filter> judged_filters();
+
 std::string joined(const std::vector<std::string>& words);
 std::vector<std::string> split(const std::string& text, char separator);
+
+inline constexpr int most_threads = 256, most_repeats = 1000000;
+// Refuses a number outside low..high.
+void check_range(const char* option, int value, int low, int high);
 
 double parse_number(const std::string& text, const std::string& what);
 std::vector<double> parse_numbers(const std::string& text, size_t count, const std::string& what);
 sim::screen_size parse_size(const std::string& text);
-rgba8 parse_colour(const std::string& text);
+rgba8 parse_colour(const std::string& text, const char* option);
 // A number within limits, in 1/parts, to nearest.
 int parse_parts(const std::string& text, const char* option, double low, double high, int parts);
 shading parse_alpha(const std::string& text);
@@ -51,20 +73,26 @@ struct skip_choice {
 };
 skip_choice parse_no_skip(const std::string& text);
 skip_set parse_skip(const std::string& text);  // more than the usual ones: "" or "other-half"
-// What --psnr has no reference for.
-void refuse_reference(const sim::draw_options& o);
+// What an option has no reference for.
+void refuse_reference(const sim::draw_options& o, const std::string& option);
 
 // Nine numbers or the name of one of the three planes (for 640x480). Refused, with the reason: not nine numbers, not finite, singular, or
 // coordinates beyond what the engine takes (2^15 texels) at every pixel in front of the viewer.
 sim::matrix parse_matrix(const std::string& text, sim::screen_size size);
+
+// What an option names that may be left out: no file, then.
+sim::output_file wanted_output(const std::string& path);
 
 // Makes a folder for outputs where it is missing.
 void make_folder(const std::string& path);
 
 // An option and the file that it names; an empty path is none.
 struct named_output { std::string option, path; };
-// Refuses two outputs that would be one file.
-void check_outputs_differ(const std::vector<named_output>& outputs);
+// Refuses two outputs that would be one file, and one that would replace a file that is read.
+void check_outputs(const std::vector<named_output>& outputs, const std::vector<std::string>& inputs);
+
+// Behind what an option says: what counts without it.
+std::string unless_given(const std::string& of_profile_default);
 
 // Samples 1..16, spacing 0..16, slack 0..15, bias -16..0; what filter they belong to.
 void check_changes(const sim::profile_changes& c, filter kind);
@@ -122,6 +150,7 @@ struct subject_options {
     bool is_model() const { return world_ != nullptr; }
     // A level's textures that have no picture and are grey; null for what is no level.
     const std::vector<std::string>* textures_missing() const { return level_ ? &level_->missing : nullptr; }
+    const std::vector<std::string>& files() const { return files_; }  // that it was read from
     sim::scene seen_from(const sim::viewpoint& v) const;
     std::vector<sim::viewpoint> walk(int frames) const { return sim::tour(*level_, frames); }
 
@@ -129,6 +158,7 @@ struct subject_options {
     sim::scene_request request_;
     std::string name_;
     std::optional<sim::matrix> matrix_;
+    std::vector<std::string> files_;
     std::shared_ptr<const sim::level> level_;
     std::shared_ptr<const sim::world> world_;  // a model's or the level's
     sim::camera_options camera_;

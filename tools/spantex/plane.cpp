@@ -21,12 +21,12 @@ struct plane_options {
 void run(const plane_options& o) {
   sim::draw_options drawing = o.drawing.resolve();
   drawing.counted = !o.stats.empty();
-  if (o.psnr) refuse_reference(drawing);
+  if (o.psnr) refuse_reference(drawing, "--psnr");
   const sim::screen_size size = parse_size(o.size);
   const sim::matrix m = parse_matrix(o.matrix, size);
-  check_outputs_differ({{"--out", o.out}, {"--stats", o.stats}});
+  check_outputs({{"--out", o.out}, {"--stats", o.stats}}, {o.texture});
   const sim::output_file out(o.out);
-  const sim::output_file stats = o.stats.empty() ? sim::output_file() : sim::output_file(o.stats);
+  const sim::output_file stats = wanted_output(o.stats);
   sim::map_list maps;
   maps.push_back(load_map(o.texture, o.drawing));
   sim::scene s{"plane", size, std::make_shared<const sim::map_list>(std::move(maps)), {}};
@@ -35,9 +35,10 @@ void run(const plane_options& o) {
   const sim::draw_result r = draw_with_bar(s, drawing);
   std::optional<double> psnr_db;
   if (o.psnr) psnr_db = reference_psnr_db(s, r.picture, drawing.background);
-  const sim::bytes png = sim::encode_png(r.picture);
-  out.write(png);
-  if (stats.wanted()) stats.write(stats_json(r, drawing, psnr_db));
+  sim::output_files files;
+  files.write(out, sim::encode_png(r.picture));
+  if (stats.wanted()) files.write(stats, stats_json(r, drawing, psnr_db));
+  files.commit();
   if (psnr_db) printf("PSNR against the reference: %.2f dB\n", *psnr_db);
 }
 

@@ -85,7 +85,7 @@ void run(const prefilters_options& o) {
   drawing.kind = value_of(sim::filter_names, o.filter, "filter");
   drawing.profile = value_of(sim::profile_names, o.profile, "profile");
   drawing.threads = sim::hardware_threads();
-  if (o.level < 1 || o.level > most_level) throw sim::input_error("--level: outside 1.." + std::to_string(most_level));
+  check_range("--level", o.level, 1, most_level);
   if (!o.texture.empty()) sim::load_image(o.texture);
   print_responses(o.level);
   if (!o.texture.empty()) print_planes(o, drawing);

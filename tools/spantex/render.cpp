@@ -41,25 +41,20 @@ std::string frame_name(const std::string& pattern, int frame) {
   return pattern.substr(0, percent) + number + pattern.substr(letter + 1);
 }
 
-// A view a line: x,y,z of the eye and of what it looks at; lines that begin with # and empty ones say nothing.
+// A view a line, which may end as on Windows: x,y,z of the eye and of what it looks at; lines that begin with # and empty ones say nothing. Read once: it may be a pipe.
 std::vector<sim::viewpoint> read_path(const std::string& file) {
   const sim::bytes data = sim::read_file(file);
   std::vector<sim::viewpoint> views;
   int line = 0;
-  for (const std::string& text : split({data.begin(), data.end()}, '\n')) {
+  for (std::string& text : split({data.begin(), data.end()}, '\n')) {
     ++line;
+    if (text.ends_with('\r')) text.pop_back();
     if (text.empty() || text[0] == '#') continue;
     const std::vector<double> n = parse_numbers(text, 6, file + ": line " + std::to_string(line));
     views.push_back({{n[0], n[1], n[2]}, {n[3], n[4], n[5]}});
   }
   if (views.empty() || views.size() > size_t(most_frames)) throw sim::input_error(file + ": " + std::to_string(views.size()) + " views, not 1.." + std::to_string(most_frames));
   return views;
-}
-
-// Views of a walk or a path; none where the camera is the subject's or turns around it.
-std::vector<sim::viewpoint> views_of(const render_options& o, const subject_options::loaded& subject, int frames) {
-  if (!o.path.empty()) return read_path(o.path);
-  return subject.walks() ? subject.walk(frames) : std::vector<sim::viewpoint>();
 }
 
 nlohmann::ordered_json frame_json(const sim::scene& s, const sim::draw_result& r, double set_up_ns) {
@@ -76,18 +71,19 @@ nlohmann::ordered_json frame_json(const sim::scene& s, const sim::draw_result& r
   return j;
 }
 
-std::vector<sim::output_file> outputs(const render_options& o) {
-  check_outputs_differ({{"--out", o.out}, {"--stats", o.stats}, {"--reference", o.reference}});
-  if (!o.path.empty() && (o.frames || !o.subject.camera.empty() || !o.subject.eye.empty())) throw sim::input_error("--path: has frames and cameras of its own");
-  const int frames = o.path.empty() ? o.frames.value_or(0) : int(read_path(o.path).size());
+void check_files(const render_options& o, const std::vector<sim::output_file>& frames, std::vector<std::string> inputs) {
+  inputs.push_back(o.path);
+  std::vector<named_output> outputs{{"--stats", o.stats}, {"--reference", o.reference}};
+  for (const sim::output_file& f : frames) outputs.push_back({"--out", f.path()});
+  check_outputs(outputs, inputs);
+}
+
+std::vector<sim::output_file> outputs(const render_options& o, const std::vector<sim::viewpoint>& path) {
+  const int frames = o.path.empty() ? o.frames.value_or(0) : int(path.size());
   if (!o.frames && o.path.empty()) return {sim::output_file(o.out)};
-  if (o.path.empty() && (*o.frames < 1 || *o.frames > most_frames)) throw sim::input_error("--frames: outside 1.." + std::to_string(most_frames));
+  if (o.path.empty()) check_range("--frames", *o.frames, 1, most_frames);
   std::vector<sim::output_file> files;
-  for (int k = 0; k < frames; ++k) {
-    const std::string name = frame_name(o.out, k);
-    check_outputs_differ({{"--out", name}, {"--stats", o.stats}});
-    files.emplace_back(name);
-  }
+  for (int k = 0; k < frames; ++k) files.emplace_back(frame_name(o.out, k));
   return files;
 }
 
@@ -97,18 +93,23 @@ void run(const render_options& o) {
   drawing.depths_first = o.subject.order == "depths";
   if (drawing.depths_first && drawing.how.alpha != alpha_mode::opaque) throw sim::input_error("--order depths: the depths of what is cut out or blended are not known first: not with --alpha " + o.drawing.alpha);
   if (drawing.depths_first && drawing.space != sim::sampling_space::screen) throw sim::input_error("--order depths: not in object space, which has its own order");
-  if (o.psnr || !o.reference.empty()) refuse_reference(drawing);
-  const std::vector<sim::output_file> files = outputs(o);
-  const sim::output_file stats = o.stats.empty() ? sim::output_file() : sim::output_file(o.stats);
+  if (o.psnr || !o.reference.empty()) refuse_reference(drawing, o.psnr ? "--psnr" : "--reference");
+  if (!o.path.empty() && (o.frames || !o.subject.camera.empty() || !o.subject.eye.empty())) throw sim::input_error("--path: has frames and cameras of its own");
+  // Of a path or a walk; none where the camera is the subject's or turns around it.
+  std::vector<sim::viewpoint> views = o.path.empty() ? std::vector<sim::viewpoint>() : read_path(o.path);
+  const std::vector<sim::output_file> files = outputs(o, views);
+  const sim::output_file stats = wanted_output(o.stats);
   const subject_options::loaded subject(o.subject, o.drawing);
+  check_files(o, files, subject.files());
   if (!o.path.empty() && !subject.is_model()) throw sim::input_error("--path: '" + o.subject.subject + "' has its own view; only models and levels take a camera");
   if (o.path.empty() && files.size() > 1 && !subject.turns())
     throw sim::input_error("--frames: the view of '" + o.subject.subject + "' is fixed, every frame equal");
-  const sim::output_file reference = o.reference.empty() ? sim::output_file() : sim::output_file(o.reference);
-  const std::vector<sim::viewpoint> views = views_of(o, subject, int(files.size()));
+  const sim::output_file reference = wanted_output(o.reference);
+  if (o.path.empty() && subject.walks()) views = subject.walk(int(files.size()));
   const auto scene_of = [&](size_t k) { return views.empty() ? subject.at(360.0 * double(k) / double(files.size())) : subject.seen_from(views[k]); };
   nlohmann::ordered_json report, frames;
   sim::frame_before before;
+  sim::output_files written;
   const bool keeps = files.size() > 1 && parse_no_skip(o.drawing.no_skip).unchanged;
   for (size_t k = 0; k < files.size(); ++k) {
     const auto begun = std::chrono::steady_clock::now();
@@ -119,13 +120,15 @@ void run(const render_options& o) {
     if (o.psnr) psnr_db = reference_psnr_db(s, r.picture, drawing.background);
     if (k == 0) report = nlohmann::ordered_json::parse(stats_json(r, drawing, psnr_db, subject.textures_missing()));
     if (stats.wanted() && files.size() > 1) frames.push_back(frame_json(s, r, set_up_ns));
-    files[k].write(sim::encode_png(r.picture));
+    written.write(files[k], sim::encode_png(r.picture));
+    if (files.size() > 1) written.commit();  // frames as they are drawn
     if (psnr_db) printf("%s: PSNR against the reference: %.2f dB\n", files[k].path().c_str(), *psnr_db);
   }
   if (!frames.empty()) report["frames"] = frames;
-  if (stats.wanted()) stats.write(report.dump(2) + "\n");
+  if (stats.wanted()) written.write(stats, report.dump(2) + "\n");
   if (reference.wanted())
-    reference.write(sim::encode_png(sim::rounded(sim::render_reference(scene_of(0), drawing.background, sim::hardware_threads()))));
+    written.write(reference, sim::encode_png(sim::rounded(sim::render_reference(scene_of(0), drawing.background, sim::hardware_threads()))));
+  written.commit();
 }
 
 }  // namespace
@@ -135,7 +138,7 @@ void add_render_command(CLI::App& app) {
   CLI::App& sub = *app.add_subcommand("render", "draw a model with its own textures, or a scene by name");
   o->subject.add_to(sub, false);
   sub.add_option("--out", o->out, "the picture, PNG; with --frames a pattern such as O-%04d.png")->required();
-  sub.add_option("--frames", o->frames, "so many pictures: of a level a walk through it, else a turntable, the camera turned once around");
+  sub.add_option("--frames", o->frames, "so many pictures, 1.." + std::to_string(most_frames) + ": of a level a walk through it, else a turntable, the camera turned once around");
   sub.add_option("--path", o->path, "a file of cameras, a frame a line: x,y,z of the eye, x,y,z of what it looks at");
   o->drawing.add_to(sub, true);
   sub.add_option("--stats", o->stats, stats_help("counts and times (of the first frame; where there are more, of each under 'frames') as JSON; of a level 'textures_missing': those that have no picture and are grey"));

@@ -16,6 +16,7 @@ namespace spantex::tool {
 namespace {
 
 constexpr uint64_t most_evaluations = 1'000'000'000'000'000;
+constexpr double most_seconds = 1e9;  // thirty years; clocks count nanoseconds in 63 bits
 
 struct stress_arguments {
   std::string profile = "exact", family, case_seed, json, evaluations = "10000000", seed = "1", seconds = "0";
@@ -132,7 +133,7 @@ void print_table(const stress_arguments& a, const profile& p, const sim::stress_
          100 * sim::undecided_share(r), 100 * sim::most_undecided_share(p));
   print_families(r);
   printf("adverse: in spans that have what the family is named for; undecided: point samples; refused: polygons that cover no pixel centre\n");
-  if (!r.complete) printf("stopped by --seconds before all evaluations were made\n");
+  if (!r.complete) printf("INCOMPLETE: stopped by --seconds %s: not all of --evaluations %s were made\n", a.seconds.c_str(), a.evaluations.c_str());
 }
 
 int run(const stress_arguments& a) {
@@ -142,12 +143,12 @@ int run(const stress_arguments& a) {
     fputs(text.c_str(), stdout);
     return text.find("FAILS") == std::string::npos ? 0 : 1;
   }
-  if (a.threads < 1 || a.threads > 256) throw sim::input_error("--threads " + std::to_string(a.threads) + ": 1 to 256");
+  check_range("--threads", a.threads, 1, most_threads);
   const uint64_t evaluations = whole_number("--evaluations", a.evaluations), seed = whole_number("--seed", a.seed);
   const double seconds = parse_number(a.seconds, "--seconds");
   if (evaluations == 0 || evaluations > most_evaluations) throw sim::input_error("--evaluations " + a.evaluations + ": 1 to 10^15");
-  if (seconds < 0) throw sim::input_error("--seconds " + a.seconds + ": is negative");
-  const sim::output_file json = a.json.empty() ? sim::output_file() : sim::output_file(a.json);
+  if (!(seconds >= 0 && seconds <= most_seconds)) throw sim::input_error("--seconds " + a.seconds + ": 0 to 10^9");
+  const sim::output_file json = wanted_output(a.json);
   sim::stress_options o{evaluations, seed, seconds, a.threads, {}};
   if (!a.family.empty()) o.families = {family_of(a.family)};
   const sim::stress_report r = sim::run_stress(p, o);
@@ -175,10 +176,10 @@ void add_stress_command(CLI::App& app) {
   CLI::App& sub = *app.add_subcommand("stress", "every stage of the numerics against exact arithmetic; exit code 1 if a bound breaks");
   sub.add_option("--profile", a->profile, "seed, compact, default, exact")->capture_default_str();
   CLI::Option* const of_a_run[] = {
-      sub.add_option("--evaluations", a->evaluations, "texture coordinates to evaluate")->capture_default_str(),
+      sub.add_option("--evaluations", a->evaluations, "texture coordinates to evaluate, 1 to 10^15")->capture_default_str(),
       sub.add_option("--seed", a->seed, "of the whole run")->capture_default_str(),
-      sub.add_option("--seconds", a->seconds, "stop after this time (0: no limit)")->capture_default_str(),
-      sub.add_option("--threads", a->threads, "1 to 256; the cases do not depend on it")->capture_default_str(),
+      sub.add_option("--seconds", a->seconds, "stop after this time, to 10^9, and say that the run is incomplete (0: no limit)")->capture_default_str(),
+      sub.add_option("--threads", a->threads, "threads, 1.." + std::to_string(most_threads) + "; the cases do not depend on it")->capture_default_str(),
       sub.add_option("--json", a->json, "the table as JSON")};
   CLI::Option* const family = sub.add_option("--family", a->family, "one family of cases only");
   CLI::Option* const one_case = sub.add_option("--case", a->case_seed, "one case, described, and shrunk if it fails")->needs(family);

@@ -3,6 +3,7 @@
 // from that tools/report's.
 #include <stdio.h>
 
+#include <filesystem>
 #include <memory>
 
 #include <sim/file.hpp>
@@ -61,13 +62,21 @@ void judge_points(const sweep_options& o, const sweep_spec& spec, share_of_point
 
 // Frame 0 of each point, and what it is judged by.
 void draw_points(const sweep_options& o, const sweep_spec& spec, share_of_points share) {
+  std::vector<named_output> outputs;
+  std::vector<std::string> inputs{o.spec};
+  const auto file_of = [&](uint64_t number, const char* end) { return o.pictures + "/" + std::to_string(number) + end; };
+  for (uint64_t number = share.first; number < spec.points(); number += share.count) {
+    const sim::sweep_subject subject = spec.at(number).point.subject;
+    for (const char* end : {".png", "-reference.png"}) outputs.push_back({"--pictures", file_of(number, end)});
+    if (!sim::is_sweep_map(subject.map)) inputs.push_back((std::filesystem::path(subject.map_folder) / subject.map).string());
+  }
+  check_outputs(outputs, inputs);
   make_folder(o.pictures);
   sim::sweep_subjects subjects;
   for (uint64_t number = share.first; number < spec.points(); number += share.count) {
     const sim::sweep_point p = spec.at(number).point;
-    const std::string name = o.pictures + "/" + std::to_string(number);
-    sim::output_file(name + ".png").write(sim::encode_png(sim::picture_of(p, subjects)));
-    sim::output_file(name + "-reference.png").write(sim::encode_png(subjects.reference_of(p.subject, 0)->rounded));
+    sim::output_file(file_of(number, ".png")).write(sim::encode_png(sim::picture_of(p, subjects)));
+    sim::output_file(file_of(number, "-reference.png")).write(sim::encode_png(subjects.reference_of(p.subject, 0)->rounded));
   }
 }
 
@@ -79,10 +88,13 @@ void list_points(const sweep_spec& spec, share_of_points share) {
 
 void run(const sweep_options& o) {
   const share_of_points share = parse_job(o.job);
-  if (o.threads < 1 || o.threads > 256) throw sim::input_error("--threads: must be 1 to 256");
+  check_range("--threads", o.threads, 1, most_threads);
   const int tasks = int(o.count) + int(o.points) + int(!o.pictures.empty()) + int(!o.out.empty());
   if (tasks != 1) throw sim::input_error("sweep: one of --out, --pictures, --points and --count is needed");
   if (!o.merge.empty() && o.out.empty()) throw sim::input_error("--merge: needs --out");
+  std::vector<std::string> inputs = o.merge;
+  inputs.push_back(o.spec);
+  check_outputs({{"--out", o.out}}, inputs);
   const sweep_spec spec = sweep_spec::load(o.spec);
   if (o.count) printf("%llu\n", static_cast<unsigned long long>(spec.points()));
   else if (o.points) list_points(spec, share);
@@ -99,7 +111,7 @@ void add_sweep_command(CLI::App& app) {
   sub.add_option("spec", o->spec, "what is varied: JSON, docs/SWEEPS.md")->required();
   sub.add_option("--out", o->out, "the record; a run that finds one of the same study goes on where it ended");
   sub.add_option("--job", o->job, "i/n: every n-th point from the i-th on, i from 1; for several machines, each with its own --out")->capture_default_str();
-  sub.add_option("--threads", o->threads, "points judged side by side")->capture_default_str();
+  sub.add_option("--threads", o->threads, "points judged side by side, 1.." + std::to_string(most_threads))->capture_default_str();
   sub.add_option("--merge", o->merge, "records of all jobs into --out; refused with gaps or points twice")->expected(1, 1 << 20);
   sub.add_option("--pictures", o->pictures, "folder: draw every point and its reference instead of judging it");
   sub.add_flag("--points", o->points, "print what each point is, as CSV, without judging it");

@@ -1,5 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // spantex texture: compiles a picture into a texture pack, a file or a C array.
+#include <ctype.h>
+
+#include <algorithm>
+#include <filesystem>
 #include <memory>
 #include <optional>
 
@@ -24,7 +28,7 @@ struct texture_options {
   int reduction = 1;
   std::string inside = "either", ink = "ffffff", outline = "0";
   bool inverse = false, alpha_weighted = false, srgb = false;
-  int threads = sim::hardware_threads();
+  int threads = std::min(sim::hardware_threads(), most_threads);
 };
 
 // One mode for both axes, or U,V.
@@ -35,7 +39,6 @@ void set_wraps(const std::string& text, sim::compile_options& o) {
 }
 
 sim::compile_options resolve(const texture_options& o) {
-  constexpr int most_threads = 256;
   sim::compile_options c;
   c.format = value_of(sim::format_names, o.format, "format");
   c.levels = value_of(sim::prefilter_names, o.prefilter, "prefilter");
@@ -44,11 +47,11 @@ sim::compile_options resolve(const texture_options& o) {
   c.alpha = o.alpha_weighted ? sim::alpha_weighting::weighted : sim::alpha_weighting::independent;
   c.inverse = o.inverse;
   c.srgb = o.srgb;
-  if (o.threads < 1 || o.threads > most_threads) throw sim::input_error("--threads: outside 1.." + std::to_string(most_threads));
+  check_range("--threads", o.threads, 1, most_threads);
   c.threads = o.threads;
   if (o.field && !has_alpha(c.format)) throw sim::input_error("--field: format " + o.format + " has no alpha");
   if (!o.alpha_test) return c;
-  if (*o.alpha_test < 1 || *o.alpha_test > 255) throw sim::input_error("--alpha-test: outside 1..255");
+  check_range("--alpha-test", *o.alpha_test, 1, 255);
   if (!has_alpha(c.format)) throw sim::input_error("--alpha-test: format " + o.format + " has no alpha");
   c.alpha_threshold = uint8_t(*o.alpha_test);
   return c;
@@ -64,17 +67,23 @@ void set_level_count(const texture_options& o, const sim::image& picture, sim::c
 
 bool is_source(const std::string& path) { return path.ends_with(".c") || path.ends_with(".h"); }
 
-sim::output_file wanted(const std::string& path) { return path.empty() ? sim::output_file() : sim::output_file(path); }
+// A source of another language or spelling, where a pack in bytes would be a surprise.
+bool is_other_source(const std::string& path) {
+  std::string suffix = std::filesystem::path(path).extension().string();
+  std::transform(suffix.begin(), suffix.end(), suffix.begin(), [](unsigned char c) { return char(tolower(c)); });
+  const auto others = {".c", ".h", ".cc", ".hh", ".cpp", ".hpp", ".cxx", ".hxx", ".c++", ".h++", ".inc", ".inl"};
+  return !is_source(path) && std::find(others.begin(), others.end(), suffix) != others.end();
+}
 
-void write(const sim::output_file& file, const sim::bytes& pack) {
-  if (!is_source(file.path())) return file.write(pack);
+void write(const sim::output_file& file, const sim::bytes& pack, sim::output_files& files) {
+  if (!is_source(file.path())) return files.write(file, pack);
   const auto linkage = file.path().ends_with(".c") ? sim::c_linkage::external : sim::c_linkage::internal;
-  file.write(sim::c_array(pack, sim::identifier_of(file.path()), linkage));
+  files.write(file, sim::c_array(pack, sim::identifier_of(file.path()), linkage));
 }
 
 // A contour map of the picture's outline.
 sim::bytes compiled_field(const texture_options& o, const sim::image& picture, sim::compile_options c) {
-  const rgba8 ink = parse_colour(o.ink);
+  const rgba8 ink = parse_colour(o.ink, "--ink");
   const contour_style style = sim::field_style(*o.field, parse_parts(o.outline, "--outline", 0, 255 / 16.0, 16));
   const std::vector<sim::image> levels = sim::make_field_levels(picture, o.reduction, *o.field, {ink.r, ink.g, ink.b, 0},
                                                                   value_of(inside_names, o.inside, "inside"));
@@ -94,14 +103,17 @@ sim::bytes compiled(const sim::image& picture, sim::compile_options c) {
 void run(const texture_options& o) {
   sim::compile_options c = resolve(o);
   if (o.out.empty() && o.c_array.empty()) throw sim::input_error("texture: nothing to write: give --out, --c-array or both");
+  if (is_other_source(o.out)) throw sim::input_error("--out: '" + o.out + "': a C array's name ends in .c or .h, a pack's in .stx");
   if (!o.c_array.empty() && !is_source(o.c_array)) throw sim::input_error("--c-array: '" + o.c_array + "' does not end in .h or .c");
-  check_outputs_differ({{"--out", o.out}, {"--c-array", o.c_array}});
-  const sim::output_file out = wanted(o.out), source = wanted(o.c_array);
+  check_outputs({{"--out", o.out}, {"--c-array", o.c_array}}, {o.picture});
+  const sim::output_file out = wanted_output(o.out), source = wanted_output(o.c_array);
   const sim::image picture = sim::load_image(o.picture);
   set_level_count(o, picture, c);
   const sim::bytes pack = o.field ? compiled_field(o, picture, c) : compiled(picture, c);
-  if (out.wanted()) write(out, pack);
-  if (source.wanted()) write(source, pack);
+  sim::output_files files;
+  if (out.wanted()) write(out, pack, files);
+  if (source.wanted()) write(source, pack, files);
+  files.commit();
 }
 
 }  // namespace
@@ -110,7 +122,7 @@ void add_texture_command(CLI::App& app) {
   const auto o = std::make_shared<texture_options>();
   CLI::App& sub = *app.add_subcommand("texture", "compile a picture into a texture pack with its levels");
   sub.add_option("PICTURE", o->picture, "any picture that stb_image reads, at most 4096x4096")->required();
-  sub.add_option("--out", o->out, "the pack (.stx); a C array if the name ends in .c (external names) or .h (static)");
+  sub.add_option("--out", o->out, "the pack (.stx); a C and C++ array if the name ends in .c (external names) or .h (static)");
   sub.add_option("--c-array", o->c_array, "the pack as a C array as well: .h or .c; its name is the file's");
   sub.add_option("--format", o->format, list_of(sim::format_names))->capture_default_str();
   CLI::Option* const prefilter = sub.add_option("--prefilter", o->prefilter, list_of(sim::prefilter_names))->capture_default_str();
@@ -130,7 +142,7 @@ void add_texture_command(CLI::App& app) {
   sub.add_option("--reduction", o->reduction, "of a field: pixels of the picture along a texel; its sides are multiples")->needs(field)->capture_default_str();
   sub.add_option("--ink", o->ink, "of a field: RRGGBB of fill and outline")->needs(field)->capture_default_str();
   sub.add_option("--outline", o->outline, "of a field: width of the line along the contour in pixels, to 1/16; 0 fills the inside")->needs(field)->capture_default_str();
-  sub.add_option("--threads", o->threads, "threads; the bytes do not depend on it")->capture_default_str();
+  sub.add_option("--threads", o->threads, "threads, 1.." + std::to_string(most_threads) + "; the bytes do not depend on it")->capture_default_str();
   sub.callback([o] { run(*o); });
 }
 

@@ -39,8 +39,6 @@ class both final : public sim::trace_sink {
   sim::trace_sink* sinks_[2];
 };
 
-sim::output_file wanted(const std::string& path) { return path.empty() ? sim::output_file() : sim::output_file(path); }
-
 void print_summary(const sim::counters& m) {
   const auto percent = [](sim::cycle part, sim::cycle whole) { return whole == 0 ? 0.0 : 100.0 * double(part) / double(whole); };
   const auto count = [](uint64_t n) { return static_cast<unsigned long long>(n); };
@@ -54,9 +52,9 @@ void print_summary(const sim::counters& m) {
 void run(const trace_options& o) {
   sim::draw_options drawing = o.drawing.resolve();
   if (o.vcd.empty() && o.json.empty()) throw sim::input_error("trace: nothing to write: give --vcd, --json or both");
-  check_outputs_differ({{"--vcd", o.vcd}, {"--json", o.json}, {"--out", o.out}, {"--stats", o.stats}});
-  const sim::output_file vcd = wanted(o.vcd), json = wanted(o.json), out = wanted(o.out), stats = wanted(o.stats);
+  const sim::output_file vcd = wanted_output(o.vcd), json = wanted_output(o.json), out = wanted_output(o.out), stats = wanted_output(o.stats);
   const subject_options::loaded subject(o.subject, o.drawing);
+  check_outputs({{"--vcd", o.vcd}, {"--json", o.json}, {"--out", o.out}, {"--stats", o.stats}}, subject.files());
   const sim::scene s = subject.at(0);
   std::ostringstream waveform, timeline;
   sim::draw_result r;
@@ -70,10 +68,12 @@ void run(const trace_options& o) {
     drawing.sink = &sink;
     r = draw_with_bar(s, drawing);
   }
-  if (vcd.wanted()) vcd.write(waveform.view());
-  if (json.wanted()) json.write(timeline.view());
-  if (out.wanted()) out.write(sim::encode_png(r.picture));
-  if (stats.wanted()) stats.write(stats_json(r, drawing, {}, subject.textures_missing()));
+  sim::output_files files;
+  if (vcd.wanted()) files.write(vcd, waveform.view());
+  if (json.wanted()) files.write(json, timeline.view());
+  if (out.wanted()) files.write(out, sim::encode_png(r.picture));
+  if (stats.wanted()) files.write(stats, stats_json(r, drawing, {}, subject.textures_missing()));
+  files.commit();
   print_summary(r.machine);
 }
 
