@@ -260,7 +260,7 @@ GATES = [
     ("red and blue of rgb565 swapped", F + "texel.hpp", "{field(11, 5), field(5, 6), field(0, 5), 255}", "{field(0, 5), field(5, 6), field(11, 5), 255}", "texel",
      "every_16*unpacks*", []),
     # depth
-    ("equal depths drawn", F + "visibility.hpp", "if (z <= stored) return false;", "if (z < stored) return false;", "polygon", "the_first*", []),
+    ("equal depths drawn", F + "visibility.hpp", "const bool nearer = z > stored;", "const bool nearer = z >= stored;", "polygon", "the_first*", []),
     ("depth not stored", F + "visibility.hpp", "if (stores) stored = z;", "(void)stores;", "polygon", "the_nearer*", []),
     ("depth off by a bit", F + "polygon.hpp", "const int down = 63 + shift - (drop - 1)", "const int down = 63 + shift - drop", "polygon", "depth_is*", []),
     # sections and jobs
