@@ -260,6 +260,8 @@ GATES = [
     ("red and blue of rgb565 swapped", F + "texel.hpp", "{field(11, 5), field(5, 6), field(0, 5), 255}", "{field(0, 5), field(5, 6), field(11, 5), 255}", "texel",
      "every_16*unpacks*", []),
     # depth
+    ("saturated depths stepped", F + "visibility.hpp", "mask == full_mask && !saturates", "mask == full_mask", "visibility", "what_is_nearer*", []),
+    ("depths of a span's row repeated", F + "visibility.hpp", "++j, down += 2 * uint64_t(p.depth.y)", "++j", "visibility", "what_is_nearer*", []),
     ("equal depths drawn", F + "visibility.hpp", "const bool nearer = z > stored;", "const bool nearer = z >= stored;", "polygon", "the_first*", []),
     ("depth not stored", F + "visibility.hpp", "if (stores) stored = z;", "(void)stores;", "polygon", "the_nearer*", []),
     ("depth off by a bit", F + "polygon.hpp", "const int down = 63 + shift - (drop - 1)", "const int down = 63 + shift - drop", "polygon", "depth_is*", []),
@@ -450,7 +452,7 @@ GATES = [
     ("a block decoded beside the section", F + "loader.hpp", "      map_.decode_block(level_, x / block_side, y / block_side, block_);",
      "      map_.decode_block(level_, 0, 0, block_);\n      map_.decode_block(level_, x / block_side, y / block_side, block_);", "levels_on_demand", "blocks_are*", OBJECT_SPACE),
     ("a skip without its switch", F + "draw.hpp", "if (skips_.on(skip::held) && holds(h,", "if (holds(h,", "skips", "what_is*", []),
-    ("depth test reversed", F + "visibility.hpp", "if (z <= stored) return false;", "if (z > stored) return false;", "polygon", "the_nearer*", []),
+    ("depth test reversed", F + "visibility.hpp", "if (z <= stored) continue;", "if (z > stored) continue;", "visibility", "what_is_nearer*", []),
     ("farthest first", "sim/scene.cpp", "std::sort(order.begin(), order.end());", "std::sort(order.rbegin(), order.rend());", "quake_level", "eight_layers*", LEVELS),
     ("maps told apart by their finest levels", F + "draw.hpp", "held.map == t.id(at.level)", "held.map.width == t.width()", "draw", "what_is_loaded*", []),
     ("loaded texels remembered for ever", F + "draw.hpp", "for (loaded_section& held : of_half) held.valid = false;", "for ([[maybe_unused]] loaded_section& held : of_half) {}", "draw", "what_is_loaded*", []),

@@ -152,6 +152,37 @@ SPANTEX_CASE(depths_of_a_span_lie_between_its_corners) {
   }
 }
 
+// Spans covered as a whole and in part, also where depths are saturated: nearer than the near plane beyond the polygon's edge, or as near.
+SPANTEX_CASE(what_is_nearer_is_seen_and_kept) {
+  random_source random(6);
+  static depths tested, wanted;
+  tested = wanted = {};
+  int whole = 0, in_part = 0, saturated = 0;
+  for (int n = 0; n < 4000; ++n) {
+    if (n % 20 == 0) tested = wanted = {};
+    const int32_t z = n % 4 == 0 ? one / 16 : int32_t(random.between(one / 16, 3 * one)), tilt = n % 4 == 0 ? 0 : int32_t(random.between(-z, z));
+    vertex v[4];
+    for (int k = 0; k < 4; ++k) {
+      const int32_t sx = k == 1 || k == 2 ? 1 : -1, sy = k >= 2 ? 1 : -1;
+      v[k] = {sx * int32_t(random.between(z / 4, 2 * z)), sy * int32_t(random.between(z / 8, z)), z + sx * tilt, 0, 0};
+    }
+    polygon p{};
+    if (make_polygon(v, 4, camera, {0, 0, width, height}, p) != status::ok) continue;
+    each_span(p, [&](int32_t sx, int32_t sy, span_mask mask) {
+      const bool stores = n % 3 != 0;
+      const span_mask seen = nearer_pixels(p, sx, sy, mask, wanted.values, stores);
+      const depth_range r = depth_range_of(p, sx, sy);
+      whole += mask == full_mask;
+      in_part += mask != full_mask;
+      saturated += mask == full_mask && (r.least == 1 || r.most == uint32_t(1) << 31);
+      assert_true(depth_test(p, sx, sy, mask, {tested.values, nullptr}, width, stores) == seen);
+    });
+    assert_true(std::equal(std::begin(tested.values), std::end(tested.values), std::begin(wanted.values)));
+  }
+  std::printf("# %d spans as a whole, %d in part, %d saturated\n", whole, in_part, saturated);
+  assert_true(whole > 10000 && in_part > 10000 && saturated > 1000);
+}
+
 // Nearly edge-on, beyond what 64 bits of depth hold: what a span may be taken for from its corners must hold for the pixels that are drawn.
 SPANTEX_CASE(slivers_are_hidden_by_nothing_but_nearer_pixels) {
   random_source random(4);
@@ -187,6 +218,7 @@ int main() {
       cmocka_unit_test(depths_first_show_what_is_seen_and_nothing_else),
       cmocka_unit_test(no_pixel_of_a_span_is_farther_than_its_floor),
       cmocka_unit_test(depths_of_a_span_lie_between_its_corners),
+      cmocka_unit_test(what_is_nearer_is_seen_and_kept),
       cmocka_unit_test(slivers_are_hidden_by_nothing_but_nearer_pixels),
   };
   return run_suite("visibility", tests);
