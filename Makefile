@@ -221,7 +221,7 @@ KERNEL_OPT ?= -O3
 $(B)/hal/kernels/%.o: FLAGS += $(KERNEL_OPT) -falign-functions=64 -Wno-unknown-warning-option -Wno-uninitialized -Wno-maybe-uninitialized -Wno-psabi
 
 # PNG's filters by vectors.
-$(B)/sim/image.o: FLAGS += -O3
+$(B)/sim/image.o: FLAGS += $(KERNEL_OPT)
 
 $(B)/tests/%: $(B)/tests/unit/%.o $(HOST_OBJECTS)
 	@mkdir -p $(@D)

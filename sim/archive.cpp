@@ -83,7 +83,7 @@ std::optional<found_file> search_path::read(const std::string& name) const {
   if (std::optional<found_file> f = found_in(preferred_, name)) return f;
   std::error_code ignored;
   const std::string path = (fs::path(folder_) / wanted).string();
-  if (fs::is_regular_file(path, ignored)) return found_file{read_file(path), path};
+  if (fs::is_regular_file(path, ignored)) return found_file{read_file(path), path, true};
   return found_in(archives_, name);
 }
 

@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "file.hpp"
@@ -28,7 +29,8 @@ class archive {
 
 struct found_file {
   bytes data;
-  std::string name;  // with that of the archive or folder that holds it, for messages
+  std::string name;       // with that of the archive or folder that holds it
+  bool is_loose = false;  // in the folder: the name is its path
 };
 
 class search_path {

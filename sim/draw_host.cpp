@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <memory>
+#include <optional>
 
 #include <hal/direct_engine.hpp>
 #include <hal/kernels/rows.hpp>
@@ -33,14 +34,20 @@ struct prepared {
   bool draws(const drawable& item) const { return kernel != nullptr && !has_colours(item); }
 };
 
-bool has_kernel(const scene& s, const draw_options& o) {
+}  // namespace
+
+bool kernel_draws(const scene& s, const draw_options& o) {
   const auto is_coded = [](const texture_map& map) { return map.view_on_demand().colours() == colour_space::coded; };
-  return kernels_draw(o) && kernels::kernel_of(o.kernel) != nullptr && (o.kind == filter::nearest || std::all_of(s.maps->begin(), s.maps->end(), is_coded));
+  return kernels::kernel_of(o.kernel) != nullptr && profile_of(o.profile, o.changes) == profile_of(profile_choice::standard, {.max_samples = o.changes.max_samples}) &&
+         o.engine == engine_choice::direct && o.space == sampling_space::screen && kernels::draws(o.kind) && !o.single_half && o.port == nullptr && o.how.alpha == alpha_mode::opaque &&
+         o.how.colour == white && o.skips == usual_skips && (o.kind == filter::nearest || std::all_of(s.maps->begin(), s.maps->end(), is_coded));
 }
+
+namespace {
 
 prepared prepare(const scene& s, const draw_options& o) {
   prepared p;
-  if (!has_kernel(s, o)) return p;
+  if (!kernel_draws(s, o)) return p;
   p.kernel = kernels::kernel_of(o.kernel);
   p.maps.resize(s.maps->size());
   for (const drawable& item : s.items) {
@@ -54,7 +61,7 @@ int span_rows(const scene& s) { return (s.size.height_px + span_side - 1) / span
 
 // Planes that kernels plan as a whole, bands that are high enough. Their rows cost alike.
 bool planned_as_a_whole(const scene& s, const draw_options& o) {
-  return has_kernel(s, o) && std::all_of(s.items.begin(), s.items.end(), [&](const drawable& item) { return !item.is_polygon && kernels::upright_plane::plans(item.shape.map, o.kind); });
+  return kernel_draws(s, o) && std::all_of(s.items.begin(), s.items.end(), [&](const drawable& item) { return !item.is_polygon && kernels::upright_plane::plans(item.shape.map, o.kind); });
 }
 
 // Bands of the picture; each thread's first one, and the end.
@@ -380,12 +387,6 @@ profile profile_of(profile_choice choice, const profile_changes& changes) {
   return p;
 }
 
-bool kernels_draw(const draw_options& o) {
-  return profile_of(o.profile, o.changes) == profile_of(profile_choice::standard, {.max_samples = o.changes.max_samples}) && o.engine == engine_choice::direct &&
-         o.space == sampling_space::screen && kernels::draws(o.kind) && !o.single_half && o.port == nullptr && o.how.alpha == alpha_mode::opaque && o.how.colour == white &&
-         o.skips == usual_skips;
-}
-
 namespace {
 
 // What is left of the scene: made in `kept`, or the scene itself.
@@ -423,7 +424,9 @@ draw_result draw(const scene& all, const draw_options& options, frame_before* be
   }
   const double ns_to_compare = std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now() - begun).count();
   const band_shares shares = make_bands(s, options);
-  thread_team team(int(shares.starts.size()) - 1);
+  std::optional<thread_team> own;
+  if (options.team == nullptr) own.emplace(int(shares.starts.size()) - 1);
+  thread_team& team = options.team == nullptr ? *own : *options.team;
   const prepared ready = prepare(s, options);
   if (ready.kernel != nullptr) result.kernel = name_of(kernel_names, kernels::resolved(options.kernel));
   std::vector<double> times;

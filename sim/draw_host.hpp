@@ -89,6 +89,8 @@ struct frame_depths {
   std::vector<uint32_t> values, floors;  // empty where no polygon is drawn
 };
 
+class thread_team;
+
 struct draw_options {
   profile_choice profile = profile_choice::standard;
   profile_changes changes;
@@ -100,8 +102,9 @@ struct draw_options {
   std::optional<uint8_t> outline;                  // 1/16 pixel, likewise
   rgba8 background{0, 0, 0, 255};
   bool counted = false;              // work is the engine's also where a kernel drew: the engine draws once more, untimed, the same picture
-  kernels::choice kernel = kernels::choice::fastest;  // of what kernels_draw(), from maps whose colours are coded (filter nearest: of all): same bytes
+  kernels::choice kernel = kernels::choice::fastest;  // where kernel_draws(): same bytes
   int threads = 1;
+  thread_team* team = nullptr;       // of so many threads, for more than one picture: starting threads takes as long as many a picture; null: threads of this one's own
   int repeat = 1;
   bool single_half = false;
   cull culled = cull::none;
@@ -113,9 +116,9 @@ struct draw_options {
   progress_callback parts_done;
 };
 
-// Whether kernels draw planes and polygons, those without colours of their own, in that way: the numbers of profile default but for max_samples, engine direct, screen space, opaque, no skip
-// off.
-bool kernels_draw(const draw_options& o);
+// Whether the kernel draws the scene's planes and polygons, those without colours of their own, in that way: the numbers of profile default but for max_samples, engine direct, screen space,
+// opaque, no skip off, maps whose colours are coded (filter nearest: any).
+bool kernel_draws(const scene& s, const draw_options& o);
 
 struct draw_result {
   image picture;

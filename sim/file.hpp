@@ -38,10 +38,7 @@ class output_file {
   std::string path_;
 };
 
-// ASCII letters as small ones: names whose case is ignored.
-std::string lower(std::string name);
-
-// Files that belong together: all are written under temporary names before the first takes its own, and none is left where one cannot be written.
+// Files that belong together: all are written under temporary names before the first takes its own, and none is left where one cannot be written. Renaming them may still fail after the first.
 class output_files {
  public:
   output_files() = default;
@@ -61,5 +58,8 @@ class output_files {
 
 // A file's one name, after links and dots: what is written to one place replaces what was there. Empty for devices and pipes, which take any number.
 std::string place_of(const std::string& path);
+
+// ASCII letters as small ones: names whose case is ignored.
+std::string lower(std::string name);
 
 }  // namespace spantex::sim

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pictures: RGBA8888 in memory, any format that stb_image reads from disk, PNG to disk.
+// Pictures: RGBA8888 in memory, PNG (libpng) and what stb_image reads else from disk, PNG to disk.
 #pragma once
 #include <stdint.h>
 
@@ -23,8 +23,8 @@ struct image {
   const rgba8& at(int x, int y) const { return pixels[size_t(y) * size_t(width_px) + size_t(x)]; }
 };
 
-// Gray, gray with alpha and RGB become RGBA; 16-bit and HDR pictures 8-bit as stb_image does it.
-// Throw input_error: missing, not a picture, truncated, a side above 4096. `name` is for the message.
+// Gray, gray with alpha and RGB become RGBA; 16-bit and HDR pictures 8-bit as stb_image does it; PNG of 16 bits is cut to 8, its gamma left alone.
+// Throw input_error: missing, not a picture, truncated, damaged (PNG), a side above 4096. `name` is for the message.
 image load_image(const std::string& path);
 image decode_image(const uint8_t* data, size_t size, const std::string& name);
 

@@ -192,15 +192,19 @@ std::vector<vector3d> places_of(std::string_view text) {
   return starts;
 }
 
-std::optional<image> picture_of(const search_path& files, const std::string& texture) {
+// Pictures that are files of their own are added to `read`.
+std::optional<image> picture_of(const search_path& files, const std::string& texture, std::vector<std::string>& read) {
   for (const char* const end : {"", ".tga", ".jpg", ".jpeg", ".png"})
-    if (const std::optional<found_file> f = files.read(texture + end)) return decode_image(f->data.data(), f->data.size(), f->name);
+    if (const std::optional<found_file> f = files.read(texture + end)) {
+      if (f->is_loose) read.push_back(f->name);
+      return decode_image(f->data.data(), f->data.size(), f->name);
+    }
   return {};
 }
 
 texture_map map_of(const search_path& files, const std::string& texture, const model_options& o, level& l) {
   constexpr rgba8 grey{128, 128, 128, 255};
-  std::optional<image> picture = picture_of(files, texture);
+  std::optional<image> picture = picture_of(files, texture, l.drawn.files);
   if (!picture) l.missing.push_back(texture);
   image top = picture ? std::move(*picture) : image(1, 1, grey);
   for (rgba8& c : top.pixels) c.a = 255;
@@ -251,7 +255,8 @@ level read_level(const std::string& name, const bytes& file, const search_path& 
     to_texels(f, maps[size_t(f.map_index)].view_on_demand(), name);
   }
   l.drawn.maps = std::make_shared<const map_list>(std::move(maps));
-  l.drawn.files = files.archives();
+  const std::vector<std::string> archives = files.archives();
+  l.drawn.files.insert(l.drawn.files.end(), archives.begin(), archives.end());
   l.drawn.measure();
   if (!l.drawn.has_area()) throw input_error(name + ": nothing to draw: no face has an area");
   return l;

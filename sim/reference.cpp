@@ -3,7 +3,9 @@
 
 #include <math.h>
 
+#include <algorithm>
 #include <array>
+#include <iterator>
 
 #include <spantex/coverage.hpp>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scenes: what is drawn, ready for the engine. Maps are owned; items hold the integer set-up that the engine draws and the same
-// plane in double precision for the reference.
+// Scenes: what is drawn, ready for the engine. Maps are owned; items hold the integer set-up that the engine draws, and what it was
+// made of, from which the reference has its planes in double precision.
 #pragma once
 #include <math.h>
 #include <stdint.h>

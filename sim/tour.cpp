@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include <algorithm>
+#include <cstddef>
 #include <optional>
 #include <vector>
 

@@ -130,6 +130,7 @@ void frame_before::keep(const scene& s, const draw_options& o, const image& pict
   places_ = places_of(scene_.items);
   options_ = o;
   options_.parts_done = nullptr;
+  options_.team = nullptr;
   serials_.clear();
   for (const texture_map& map : *s.maps) serials_.push_back(map.serial());
   picture_ = picture;

@@ -4,6 +4,7 @@
 #include <math.h>
 
 #include <algorithm>
+#include <cstddef>
 #include <iterator>
 #include <utility>
 
@@ -175,15 +176,17 @@ scene look_at(const world& w, const camera_options& camera, screen_size size, co
   lens view = make_lens(size, radians(camera.vertical_degrees), near_z);
   view.skips_outside = camera.skips_outside;
   const std::vector<const world_face*> faces = faces_in_view(w, view, f, scale, how.nearest_first);
-  const size_t threads = std::clamp(size_t(how.threads), size_t(1), std::max(faces.size(), size_t(1)));
-  std::vector<scene> parts(threads, s);
-  parts[0].items.reserve(faces.size());
-  for_each_index(int(threads), int(threads), [&](int k) {
-    const auto at = [&](int part) { return faces.begin() + std::ptrdiff_t(faces.size() * size_t(part) / threads); };
-    std::for_each(at(k), at(k + 1), [&](const world_face* face) { add_face(parts[size_t(k)], view, *face, f, scale); });
-  });
+  std::vector<scene> parts(how.team == nullptr ? 1 : size_t(how.team->size()), s);
+  const auto set_up = [&](int k) {
+    const auto at = [&](int part) { return faces.begin() + std::ptrdiff_t(faces.size() * size_t(part) / parts.size()); };
+    scene& part = parts[size_t(k)];
+    part.items.reserve(k == 0 ? faces.size() : size_t(at(k + 1) - at(k)));
+    std::for_each(at(k), at(k + 1), [&](const world_face* face) { add_face(part, view, *face, f, scale); });
+  };
+  if (how.team == nullptr) set_up(0);
+  else how.team->run(int(parts.size()), set_up);
   s.items = std::move(parts[0].items);
-  for (size_t k = 1; k < threads; ++k) s.items.insert(s.items.end(), std::move_iterator(parts[k].items.begin()), std::move_iterator(parts[k].items.end()));
+  for (size_t k = 1; k < parts.size(); ++k) s.items.insert(s.items.end(), std::move_iterator(parts[k].items.begin()), std::move_iterator(parts[k].items.end()));
   s.polygons_outside = int(w.faces.size() - faces.size());
   for (const scene& part : parts) s.polygons_outside += part.polygons_outside;
   return s;

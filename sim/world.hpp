@@ -42,7 +42,7 @@ struct camera_options {
   double yaw_degrees = 30, pitch_degrees = 20;  // where the camera stands: about the y axis from +z, and above the centre
   double distance_radii = 0;                    // from the centre, in radii; 0: framing_distance()
   double distance = 0;                          // the same in world units, if not 0
-  std::optional<vector3d> eye, target;          // in world units; both together replace the three above
+  std::optional<vector3d> eye, target;          // in world units; both together replace the four above
   bool skips_outside = true;                    // lens
   double vertical_degrees = 40;                 // angle of view of the picture's height, 10..150
 };
@@ -50,9 +50,10 @@ struct camera_options {
 // Where the camera stands for every corner to be in the picture, whatever the yaw, so that a turntable does not pulsate: from the centre, in world units.
 double framing_distance(const world& w, const camera_options& camera, screen_size size);
 
+class thread_team;
 struct set_up_options {
-  bool nearest_first = false;  // nearest_first(), without moving what is set up
-  int threads = 1;
+  bool nearest_first = false;   // nearest_first(), without moving what is set up
+  thread_team* team = nullptr;  // null: by the caller's thread alone
 };
 
 // `w` as it was measured. Throws input_error: a camera too far away or at its own target.

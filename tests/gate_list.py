@@ -454,7 +454,7 @@ GATES = [
     ("a skip without its switch", F + "draw.hpp", "if (skips_.on(skip::held) && holds(h,", "if (holds(h,", "skips", "what_is*", []),
     ("depth test reversed", F + "visibility.hpp", "if (z <= stored) continue;", "if (z > stored) continue;", "visibility", "what_is_nearer*", []),
     ("farthest first", "sim/scene.cpp", "std::sort(order.begin(), order.end());", "std::sort(order.rbegin(), order.rend());", "quake_level", "eight_layers*", LEVELS),
-    ("maps told apart by their finest levels", F + "draw.hpp", "held.map == t.id(at.level)", "held.map.width == t.width()", "draw", "what_is_loaded*", []),
+    ("maps told apart by their finest levels", F + "draw.hpp", "held.map == t.id(at.level)", "held.map.width == t.id(0).width", "draw", "what_is_loaded*", []),
     ("loaded texels remembered for ever", F + "draw.hpp", "for (loaded_section& held : of_half) held.valid = false;", "for ([[maybe_unused]] loaded_section& held : of_half) {}", "draw", "what_is_loaded*", []),
     ("colours of sections remembered for ever", F + "draw.hpp", "for (coloured_section& seen : seen_.of) seen.valid = false;", "for ([[maybe_unused]] coloured_section& seen : seen_.of) {}", "draw", "what_is_loaded*", []),
     ("colours of sections of any map", F + "draw.hpp", "seen.level == at.level && seen.map == t.id(at.level)", "seen.level == at.level", "draw", "what_is_loaded*", []),

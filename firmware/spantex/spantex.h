@@ -94,7 +94,7 @@ spantex_status spantex_target_fill(const spantex_target *target, uint16_t rgb565
 
 typedef enum spantex_filter {
   SPANTEX_NEAREST, SPANTEX_BILINEAR, SPANTEX_THREE_POINT, /* level 0 */
-  SPANTEX_MIP_BILINEAR, SPANTEX_TRILINEAR                 /* maps whose sides halve exactly */
+  SPANTEX_MIP_BILINEAR, SPANTEX_TRILINEAR                 /* maps whose sides halve exactly, or are 1 */
 } spantex_filter;
 
 typedef struct spantex_point { int32_t x, y; } spantex_point;             /* 1/256 pixel */

@@ -31,7 +31,7 @@ constexpr bool is_below_floor(const polygon& p, int32_t sx, int32_t sy, depth_bu
   return depth.floors != nullptr && depth_range_of(p, sx, sy).most <= depth.floors[sy * ((frame_width + span_side - 1) / span_side) + sx];
 }
 
-// Of the pixels in mask, those nearer than what is stored, whose depth is stored if wanted. frame_width in pixels.
+// Of the pixels in mask, those nearer than what is stored, whose depth is stored if wanted (the rest may be written as they are). frame_width in pixels.
 SPANTEX_WRAPS constexpr span_mask depth_test(const polygon& p, int32_t sx, int32_t sy, span_mask mask, depth_buffer depth, int32_t frame_width, bool stores) {
   uint32_t* const floor = depth.floors == nullptr ? nullptr : &depth.floors[sy * ((frame_width + span_side - 1) / span_side) + sx];
   const depth_range range = depth_range_of(p, sx, sy);

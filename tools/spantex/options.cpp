@@ -315,9 +315,6 @@ sim::draw_options drawing_options::resolve() const {
   o.threads = threads;
   o.repeat = repeat;
   o.single_half = single_half;
-  const bool is_named = o.kernel != kernels::choice::scalar && o.kernel != kernels::choice::fastest;
-  if (is_named && (!sim::kernels_draw(o) || (srgb && o.kind != filter::nearest)))
-    throw input_error("--kernel " + kernel + ": draws opaque, coded colours by the numbers of profile default on engine direct, filters nearest, bilinear, mip-bilinear, trilinear, aniso, no skip off; take fastest or scalar");
   return o;
 }
 
@@ -371,7 +368,7 @@ subject_options::loaded::loaded(const subject_options& o, const drawing_options&
   request_.making = d.making();
   if (o.matrix.empty() && o.subject.empty()) throw input_error("nothing to draw: name a scene or model, or give --matrix");
   o.check_consistent();
-  set_up_ = {o.order.empty() ? sim::is_level(name_) : o.order != "file", d.threads};
+  nearest_first_ = o.order.empty() ? sim::is_level(name_) : o.order != "file";
   if (!o.matrix.empty()) matrix_ = parse_matrix(o.matrix, request_.size);
   if (!o.texture.empty()) {
     sim::map_list maps;
@@ -389,7 +386,7 @@ subject_options::loaded::loaded(const subject_options& o, const drawing_options&
   if (!sim::is_level(name_)) {
     world_ = std::make_shared<const sim::world>(sim::load_model(name_, wanted));
     files_ = world_->files;
-    if (camera_.distance_radii == 0) camera_.distance = sim::framing_distance(*world_, camera_, request_.size);
+    find_distance();
     return;
   }
   level_ = std::make_shared<const sim::level>(sim::load_level(name_, o.map, wanted));
@@ -398,31 +395,37 @@ subject_options::loaded::loaded(const subject_options& o, const drawing_options&
   walks_ = o.camera.empty() && !camera_.eye;
   world_ = std::shared_ptr<const sim::world>(level_, &level_->drawn);
   files_ = world_->files;
+  find_distance();
 }
 
-sim::scene subject_options::loaded::seen_from(const sim::viewpoint& v) const {
+// Once for all frames of a turntable.
+void subject_options::loaded::find_distance() {
+  if (!camera_.eye && !walks_ && camera_.distance_radii == 0) camera_.distance = sim::framing_distance(*world_, camera_, request_.size);
+}
+
+sim::scene subject_options::loaded::seen_from(const sim::viewpoint& v, sim::thread_team* team) const {
   sim::camera_options c = camera_;
   c.eye = v.eye;
   c.target = v.target;
-  return sim::look_at(*world_, c, request_.size, set_up_);
+  return sim::look_at(*world_, c, request_.size, {nearest_first_, team});
 }
 
-sim::scene subject_options::loaded::at(double turn_degrees) const {
+sim::scene subject_options::loaded::at(double turn_degrees, sim::thread_team* team) const {
   if (matrix_) {
     sim::scene s{"plane", request_.size, sim::plane_maps(request_), {}};
     sim::add_plane(s, *matrix_, 0);
     return s;
   }
-  if (walks_) return seen_from(walk(1).front());
+  if (walks_) return seen_from(walk(1).front(), team);
   if (world_) {
     sim::camera_options c = camera_;
     c.yaw_degrees += turn_degrees;
-    return sim::look_at(*world_, c, request_.size, set_up_);
+    return sim::look_at(*world_, c, request_.size, {nearest_first_, team});
   }
   sim::scene_request turned = request_;
   turned.turn_degrees = turn_degrees;
   sim::scene s = sim::make_named_scene(name_, turned);
-  if (set_up_.nearest_first && s.uses_depth()) sim::nearest_first(s);
+  if (nearest_first_ && s.uses_depth()) sim::nearest_first(s);
   return s;
 }
 

@@ -142,7 +142,7 @@ struct subject_options {
   class loaded {
    public:
     loaded(const subject_options& o, const drawing_options& d);
-    sim::scene at(double turn_degrees) const;
+    sim::scene at(double turn_degrees, sim::thread_team* team = nullptr) const;
     // False where the turn changes nothing: a plane from coefficients, or a camera fixed by --eye and --target.
     bool turns() const { return !matrix_ && !sim::named_plane(name_) && !camera_.eye; }
     // A level without a camera of its own: frames are a walk, not a turntable. Seen from its first place where one frame is asked for.
@@ -151,10 +151,12 @@ struct subject_options {
     // A level's textures that have no picture and are grey; null for what is no level.
     const std::vector<std::string>* textures_missing() const { return level_ ? &level_->missing : nullptr; }
     const std::vector<std::string>& files() const { return files_; }  // that it was read from
-    sim::scene seen_from(const sim::viewpoint& v) const;
+    sim::scene seen_from(const sim::viewpoint& v, sim::thread_team* team = nullptr) const;
     std::vector<sim::viewpoint> walk(int frames) const { return sim::tour(*level_, frames); }
 
    private:
+    void find_distance();
+
     sim::scene_request request_;
     std::string name_;
     std::optional<sim::matrix> matrix_;
@@ -162,8 +164,7 @@ struct subject_options {
     std::shared_ptr<const sim::level> level_;
     std::shared_ptr<const sim::world> world_;  // a model's or the level's
     sim::camera_options camera_;
-    sim::set_up_options set_up_;
-    bool walks_ = false;
+    bool walks_ = false, nearest_first_ = false;
   };
 
  private:

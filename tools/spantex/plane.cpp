@@ -47,7 +47,7 @@ void run(const plane_options& o) {
 void add_plane_command(CLI::App& app) {
   const auto o = std::make_shared<plane_options>();
   CLI::App& sub = *app.add_subcommand("plane", "draw one textured plane from a 3x3 matrix");
-  sub.add_option("--texture", o->texture, "the map: any picture that stb_image reads, at most 4096x4096, or a texture pack (.stx)")->required();
+  sub.add_option("--texture", o->texture, "the map: PNG or any other picture that stb_image reads, at most 4096x4096, or a texture pack (.stx)")->required();
   sub.add_option("--size", o->size, "picture size, WxH")->required();
   sub.add_option("--matrix", o->matrix,
                  "A,B,C,D,E,F,G,H,I: u = (A x + B y + C)/(G x + H y + I), v = (D x + E y + F)/(...), in texels, for pixel centres "

@@ -106,10 +106,13 @@ void run(const render_options& o) {
     throw sim::input_error("--frames: the view of '" + o.subject.subject + "' is fixed, every frame equal");
   const sim::output_file reference = wanted_output(o.reference);
   if (o.path.empty() && subject.walks()) views = subject.walk(int(files.size()));
-  const auto scene_of = [&](size_t k) { return views.empty() ? subject.at(360.0 * double(k) / double(files.size())) : subject.seen_from(views[k]); };
+  const auto scene_of = [&](size_t k) { return views.empty() ? subject.at(360.0 * double(k) / double(files.size()), drawing.team) : subject.seen_from(views[k], drawing.team); };
+  sim::thread_team team(drawing.threads);
+  drawing.team = &team;
   nlohmann::ordered_json report, frames;
   sim::frame_before before;
   sim::output_files written;
+  if (reference.wanted()) written.write(reference, sim::encode_png(sim::rounded(sim::render_reference(scene_of(0), drawing.background, sim::hardware_threads()))));
   const bool keeps = files.size() > 1 && parse_no_skip(o.drawing.no_skip).unchanged;
   for (size_t k = 0; k < files.size(); ++k) {
     const auto begun = std::chrono::steady_clock::now();
@@ -126,8 +129,6 @@ void run(const render_options& o) {
   }
   if (!frames.empty()) report["frames"] = frames;
   if (stats.wanted()) written.write(stats, report.dump(2) + "\n");
-  if (reference.wanted())
-    written.write(reference, sim::encode_png(sim::rounded(sim::render_reference(scene_of(0), drawing.background, sim::hardware_threads()))));
   written.commit();
 }
 

@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <set>
 
 #include <sim/file.hpp>
 #include <sim/parallel.hpp>
@@ -62,15 +63,14 @@ void judge_points(const sweep_options& o, const sweep_spec& spec, share_of_point
 
 // Frame 0 of each point, and what it is judged by.
 void draw_points(const sweep_options& o, const sweep_spec& spec, share_of_points share) {
-  std::vector<named_output> outputs;
-  std::vector<std::string> inputs{o.spec};
   const auto file_of = [&](uint64_t number, const char* end) { return o.pictures + "/" + std::to_string(number) + end; };
+  std::set<std::string> inputs{o.spec};
   for (uint64_t number = share.first; number < spec.points(); number += share.count) {
     const sim::sweep_subject subject = spec.at(number).point.subject;
-    for (const char* end : {".png", "-reference.png"}) outputs.push_back({"--pictures", file_of(number, end)});
-    if (!sim::is_sweep_map(subject.map)) inputs.push_back((std::filesystem::path(subject.map_folder) / subject.map).string());
+    if (!sim::is_sweep_map(subject.map)) inputs.insert((std::filesystem::path(subject.map_folder) / subject.map).string());
   }
-  check_outputs(outputs, inputs);
+  for (const std::string& input : inputs)
+    if (input.ends_with(".png") && std::filesystem::path(sim::place_of(input)).parent_path() == sim::place_of(o.pictures)) throw sim::input_error("--pictures: " + input + " lies in the folder, where a picture might replace it");
   make_folder(o.pictures);
   sim::sweep_subjects subjects;
   for (uint64_t number = share.first; number < spec.points(); number += share.count) {

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // spantex texture: compiles a picture into a texture pack, a file or a C array.
-#include <ctype.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -69,8 +68,7 @@ bool is_source(const std::string& path) { return path.ends_with(".c") || path.en
 
 // A source of another language or spelling, where a pack in bytes would be a surprise.
 bool is_other_source(const std::string& path) {
-  std::string suffix = std::filesystem::path(path).extension().string();
-  std::transform(suffix.begin(), suffix.end(), suffix.begin(), [](unsigned char c) { return char(tolower(c)); });
+  const std::string suffix = sim::lower(std::filesystem::path(path).extension().string());
   const auto others = {".c", ".h", ".cc", ".hh", ".cpp", ".hpp", ".cxx", ".hxx", ".c++", ".h++", ".inc", ".inl"};
   return !is_source(path) && std::find(others.begin(), others.end(), suffix) != others.end();
 }
@@ -121,7 +119,7 @@ void run(const texture_options& o) {
 void add_texture_command(CLI::App& app) {
   const auto o = std::make_shared<texture_options>();
   CLI::App& sub = *app.add_subcommand("texture", "compile a picture into a texture pack with its levels");
-  sub.add_option("PICTURE", o->picture, "any picture that stb_image reads, at most 4096x4096")->required();
+  sub.add_option("PICTURE", o->picture, "PNG or any other picture that stb_image reads, at most 4096x4096")->required();
   sub.add_option("--out", o->out, "the pack (.stx); a C and C++ array if the name ends in .c (external names) or .h (static)");
   sub.add_option("--c-array", o->c_array, "the pack as a C array as well: .h or .c; its name is the file's");
   sub.add_option("--format", o->format, list_of(sim::format_names))->capture_default_str();

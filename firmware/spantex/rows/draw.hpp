@@ -5,7 +5,7 @@
 //   target    where rows go: `texel565* row(x, y, count)` gives memory for that many pixels, at most 32; `void done(x, y, count)` ends them: every one has
 //             been written. Rows arrive block by block, within `width` and `height` or, where a target has it, within `rectangle area()`. frame565 is a
 //             frame buffer; targets.hpp has other formats, parts of frames, blending, displays without a frame buffer.
-//   filter    nearest, three_point, bilinear: level 0; mip_bilinear, trilinear: maps whose sides halve exactly.
+//   filter    nearest, three_point, bilinear: level 0; mip_bilinear, trilinear: maps whose sides halve exactly, or are 1.
 #pragma once
 #include <stdint.h>
 
