@@ -331,6 +331,12 @@ def test_levels(folder):
     assert (folder / "p0.png").read_bytes() != (folder / "p1.png").read_bytes() and not (folder / "p2.png").exists()
     assert (folder / "p0.png").read_bytes() == frames[0], "from the first place to the second"
     assert run(*level, "--out", "pictures.pk3", cwd=folder).returncode == 2 and zipfile.is_zipfile(folder / "pictures.pk3"), "what the textures are read from"
+    (folder / "textures").mkdir()
+    (folder / "textures/loose.png").write_bytes(png_bytes(16, 16))
+    with zipfile.ZipFile(folder / "loose.pk3", "w") as a:
+        a.writestr("maps/loose.bsp", level_bytes("textures/loose"))
+    replaced = run("render", "loose.pk3", "--map", "loose", "--size", "32x24", "--out", "textures/loose.png", cwd=folder)
+    assert replaced.returncode == 2 and (folder / "textures/loose.png").read_bytes() == png_bytes(16, 16), "a picture beside the archive"
     (folder / "crlf.path").write_bytes((folder / "p.path").read_bytes().replace(b"\n", b"\r\n"))
     for name in ("crlf.path", "/dev/stdin"):
         subprocess.run([str(BINARY), *level, "--path", name, "--out", "q%d.png"], input=(folder / "p.path").read_bytes(), cwd=folder, check=True)
