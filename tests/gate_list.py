@@ -12,6 +12,7 @@ MAPS = ["sim/" + name + ".cpp" for name in ("encode", "encode_bc", "encode_etc",
 PACKS = MAPS + ["sim/pack.cpp", "sim/inverse_filter.cpp"]
 WORLD = MAPS + ["sim/" + name + ".cpp" for name in ("ideal", "scene", "world")]
 LEVELS = WORLD + ["sim/" + name + ".cpp" for name in ("archive", "level", "model", "tour")]
+REFERENCES = WORLD[:-1] + ["sim/reference.cpp"]  # without worlds
 FIELDS = PACKS + ["sim/distance_field.cpp"]
 LIBRARIES = {"bc": ["-lsquish"], "quake_level": ["-lassimp", "-lzip"]}  # that a suite links
 
@@ -382,14 +383,14 @@ GATES = [
     ("proofs: 2^x without its last knot", F + "exp2.hpp", "if (k == 64) return 1u << 17;", "if (k == 64) return 1u << 16;", "scripts", "footprint_proofs", []),
     ("proofs: distances by the coarser field alone", F + "contour.hpp", "return a * (one - int32_t(fraction)) + b * int32_t(fraction);", "return a * one + b * int32_t(fraction);",
      "scripts", "footprint_proofs", []),
-    ("samples off their middle", F + "footprint.hpp", "(2 * k + 1 - n) * step", "(2 * k + 2 - n) * step", "footprint", "samples_are*", [*MAPS, "sim/reference.cpp"]),
-    ("samples' bias from level 0 on", F + "level.hpp", "max_of(level_16 + bias * (1 << 12), min_of(level_16, -5 * bias * (1 << 9)))", "level_16 + bias * (1 << 12)", "footprint", "footprints_are*", [*MAPS, "sim/reference.cpp"]),
+    ("samples off their middle", F + "footprint.hpp", "(2 * k + 1 - n) * step", "(2 * k + 2 - n) * step", "footprint", "samples_are*", REFERENCES),
+    ("samples' bias from level 0 on", F + "level.hpp", "max_of(level_16 + bias * (1 << 12), min_of(level_16, -5 * bias * (1 << 9)))", "level_16 + bias * (1 << 12)", "footprint", "footprints_are*", REFERENCES),
     ("mip bias from level 0 on", F + "level.hpp", "max_of(level_16 + bias * (1 << 12), min_of(level_16, -5 * bias * (1 << 9)))", "level_16 + bias * (1 << 12)", "level", "the_mip_bias*", []),
     ("no mip bias", F + "level.hpp", "finer(unbiased_level(prof, c, i, j), q.mip_bias)", "unbiased_level(prof, c, i, j)", "level", "the_mip_bias*", []),
-    ("squares weighted alike", F + "footprint.hpp", "row_weight = aside + 3 - distance;", "row_weight = aside + 3;", "footprint", "squares_have*", [*MAPS, "sim/reference.cpp"]),
+    ("squares weighted alike", F + "footprint.hpp", "row_weight = aside + 3 - distance;", "row_weight = aside + 3;", "footprint", "squares_have*", REFERENCES),
     ("means rounded down", F + "filter.hpp", "return uint16_t(whole + (up ? 1 : 0));", "return uint16_t(whole + 0 * up);", "footprint_properties", "pixels_are*", []),
-    ("means biased at ties and beyond", F + "filter.hpp", "rest >= weight - rest :", "rest + weight / 16 >= weight - rest :", "footprint", "a_mean_is*", [*MAPS, "sim/reference.cpp"]),
-    ("means' ties to odd", F + "filter.hpp", "rest + (whole & 1) > weight - rest", "rest + (~whole & 1) > weight - rest", "footprint", "a_mean_is*", [*MAPS, "sim/reference.cpp"]),
+    ("means biased at ties and beyond", F + "filter.hpp", "rest >= weight - rest :", "rest + weight / 16 >= weight - rest :", "footprint", "a_mean_is*", REFERENCES),
+    ("means' ties to odd", F + "filter.hpp", "rest + (whole & 1) > weight - rest", "rest + (~whole & 1) > weight - rest", "footprint", "a_mean_is*", REFERENCES),
     ("means of a footprint biased", F + "filter.hpp", "rest + (whole & 1) > weight - rest", "rest + weight / 16 > weight - rest", "footprint_properties", "pixels_are*", []),
     ("footprints out of range half as wide", F + "area.hpp", "int32_t(1) << (10 + c.exponent)", "int32_t(1) << (9 + c.exponent)", "footprint_properties", "footprints_at*", []),
     ("footprints at the horizon clipped along one axis", F + "area.hpp", "clipped.a_u = halved(r.a_u);", "clipped.a_u = r.a_u;", "footprint_properties", "footprints_at*", []),
