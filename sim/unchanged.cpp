@@ -55,9 +55,9 @@ surface_places places_of(const std::vector<drawable>& items) {
   surface_places places;
   places.first.reserve(items.size());
   places.next.assign(items.size(), -1);
-  for (size_t k = items.size(); k-- > 0;) {
-    const auto [place, is_new] = places.first.try_emplace(hash_of(items[k]), int(k));
-    if (!is_new) places.next[k] = std::exchange(place->second, int(k));
+  for (int k = int(items.size()) - 1; k >= 0; --k) {
+    const auto [place, is_new] = places.first.try_emplace(hash_of(items[size_t(k)]), k);
+    if (!is_new) places.next[size_t(k)] = std::exchange(place->second, k);
   }
   return places;
 }

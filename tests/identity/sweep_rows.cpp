@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rows of a sweep without the command, assimp and libzip, for machines that do not have them: sweep_rows SPEC.json FIRST STEP prints the heading and every
+// Rows of a sweep without the command, assimp, libzip, libpng and libdeflate, for machines that do not have them: sweep_rows SPEC.json FIRST STEP prints the heading and every
 // STEP-th point's row from point FIRST on. tests/scripts/sweep_identity.py compares them with this machine's.
 #include <stdio.h>
 #include <stdlib.h>
@@ -13,11 +13,14 @@
 using namespace spantex;
 
 namespace spantex::sim {
-// Sweeps draw no models and no levels.
+// The study draws no models, no levels and no pictures of files.
 world load_model(const std::string& path, const model_options&) { throw input_error(path + ": no models here"); }
 level load_level(const std::string& path, const std::string&, const model_options&) { throw input_error(path + ": no levels here"); }
 bool is_level(const std::string&) { return false; }
 std::vector<viewpoint> tour(const level&, int) { return {}; }
+image load_image(const std::string& path) { throw input_error(path + ": no pictures here"); }
+image decode_image(const uint8_t*, size_t, const std::string& name) { throw input_error(name + ": no pictures here"); }
+bytes encode_png(const image&) { throw input_error("no pictures here"); }
 }  // namespace spantex::sim
 
 int main(int count, char** arguments) {
