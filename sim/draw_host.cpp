@@ -30,8 +30,7 @@ bool has_colours(const drawable& item) { return item.colours.varies || !(item.co
 // A host kernel and the maps made ready for it; null and none where the scalar engine draws.
 struct prepared {
   kernels::row_kernel kernel = nullptr;
-  std::vector<const kernels::planar_map*> maps;  // null: of no item that it draws
-  bool draws(const drawable& item) const { return kernel != nullptr && !has_colours(item); }
+  std::vector<const kernels::planar_map*> maps;  // null: of no item
 };
 
 }  // namespace
@@ -39,8 +38,7 @@ struct prepared {
 bool kernel_draws(const scene& s, const draw_options& o) {
   const auto is_coded = [](const texture_map& map) { return map.view_on_demand().colours() == colour_space::coded; };
   return kernels::kernel_of(o.kernel) != nullptr && profile_of(o.profile, o.changes) == profile_of(profile_choice::standard, {.max_samples = o.changes.max_samples}) &&
-         o.engine == engine_choice::direct && o.space == sampling_space::screen && kernels::draws(o.kind) && !o.single_half && o.port == nullptr && o.how.alpha == alpha_mode::opaque &&
-         o.how.colour == white && o.skips == usual_skips && (o.kind == filter::nearest || std::all_of(s.maps->begin(), s.maps->end(), is_coded));
+         o.engine == engine_choice::direct && o.space == sampling_space::screen && kernels::draws(o.kind) && !o.single_half && o.port == nullptr && o.skips == usual_skips && (o.kind == filter::nearest || std::all_of(s.maps->begin(), s.maps->end(), is_coded));
 }
 
 namespace {
@@ -52,7 +50,7 @@ prepared prepare(const scene& s, const draw_options& o) {
   p.maps.resize(s.maps->size());
   for (const drawable& item : s.items) {
     const kernels::planar_map*& map = p.maps[size_t(item.map_index)];
-    if (map == nullptr && p.draws(item)) map = &s.map_of(item).planar(kernels::layout_of(o.kernel));
+    if (map == nullptr) map = &s.map_of(item).planar(kernels::layout_of(o.kernel));
   }
   return p;
 }
@@ -104,12 +102,12 @@ struct target {
 };
 
 // Rows of pixels that each item may cover, so that a band need not read items that lie elsewhere, a thousand bytes each. The engine counts what it leaves out of any item: it is asked
-// for all of its own.
+// for all of them.
 std::vector<band> rows_of_items(const scene& s, const prepared& ready, const std::vector<band>& bands) {
   std::vector<band> rows;
-  if (bands.size() == 1) return rows;
+  if (bands.size() == 1 || ready.kernel == nullptr) return rows;
   rows.reserve(s.items.size());
-  for (const drawable& item : s.items) rows.push_back(item.is_polygon && ready.draws(item) ? band{item.shape.box.y0, item.shape.box.y1} : band{0, s.size.height_px});
+  for (const drawable& item : s.items) rows.push_back(item.is_polygon ? band{item.shape.box.y0, item.shape.box.y1} : band{0, s.size.height_px});
   return rows;
 }
 
@@ -165,11 +163,11 @@ status draw_item(auto& renderer, const drawable& item, const scene& s, const dra
   const rectangle rows{0, b.y0, s.size.width_px, b.y1};
   shading how = o.how;
   if (has_colours(item)) how.colours = &item.colours;
-  const bool by_kernel = out.ready.draws(item);
+  const bool by_kernel = out.ready.kernel != nullptr;
   texture_view& map = renderer.reads().view;
   if (!by_kernel || renderer.reads().map != &s.map_of(item)) SPANTEX_TRY(view_of(s, item, o, map));  // of the same map it would be the same, whose levels are all made
   renderer.reads().map = &s.map_of(item);
-  if (by_kernel) SPANTEX_TRY(renderer.flush());  // what a surface with colours still computes lies under this one
+  if (by_kernel) SPANTEX_TRY(renderer.flush());  // what of a plane was left to the engine lies under this item
   if (item.is_polygon) {
     if (by_kernel) {
       SPANTEX_TRY(kernels::draw_polygon(out.ready.kernel, *out.ready.maps[size_t(item.map_index)], renderer, item.shape, map, o.kind, rows, out.depths(), frame_of(out.picture), counts, how));

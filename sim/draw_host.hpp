@@ -116,8 +116,7 @@ struct draw_options {
   progress_callback parts_done;
 };
 
-// Whether the kernel draws the scene's planes and polygons, those without colours of their own, in that way: the numbers of profile default but for max_samples, engine direct, screen space,
-// opaque, no skip off, maps whose colours are coded (filter nearest: any).
+// Whether the kernel draws the scene's planes and polygons in that way: the numbers of profile default but for max_samples, engine direct, screen space, no skip off, maps whose colours are coded (filter nearest: any).
 bool kernel_draws(const scene& s, const draw_options& o);
 
 struct draw_result {

@@ -433,7 +433,7 @@ GATES = [
     ("what lies in a surface taken for hidden", "sim/unchanged.cpp", ">= depth_.values", "> depth_.values", "unchanged", "what_moves*", OBJECT_SPACE),
     ("threads without shares of their own", "sim/parallel.hpp", "boxes_[(size_t(thread) + n) % boxes_.size()]", "boxes_[n]", "bands", "threads_keep*", OBJECT_SPACE),
     ("items that begin within a band left out", "sim/draw_host.cpp", "(rows[item].y0 < b.y1 &&", "(rows[item].y0 < b.y0 &&", "bands", "polygons_by*", OBJECT_SPACE),
-    ("the engine not asked for what it leaves out", "sim/draw_host.cpp", "item.is_polygon && ready.draws(item) ? band{", "item.is_polygon ? band{", "bands", "polygons_by*", OBJECT_SPACE),
+    ("the engine not asked for what it leaves out", "sim/draw_host.cpp", "if (bands.size() == 1 || ready.kernel == nullptr) return rows;", "if (bands.size() == 1) return rows;", "bands", "polygons_by*", OBJECT_SPACE),
     ("maps made ready for each picture anew", "sim/map.cpp", "return planar_->made.emplace(of, kernels::planar_map(view_, of)).first->second;", "static std::map<int, kernels::planar_map> all; return all.emplace(int(all.size()), kernels::planar_map(view_, of)).first->second;", "bands", "maps_are*", OBJECT_SPACE),
     ("work after one has failed", "sim/parallel.hpp", "failed_ = true;", "", "bands", "a_team*", OBJECT_SPACE),
     ("sweeps and the like by shares", "sim/parallel.hpp", "run_by_shares({0, count}, ", "run_by_shares({0, count / 2, count}, ", "bands", "a_team_works*", OBJECT_SPACE),

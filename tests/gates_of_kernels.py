@@ -2,7 +2,7 @@
 """Gates of the host kernels, as gate_list.py has others: name, file, what stands there, what it is broken into, suite, case, further sources the suite links."""
 import pathlib
 
-KERNELS = [f"hal/kernels/{name}.cpp" for name in ("avx2", "avx512", "avx512_gathers", "avx512_loads", "byte_planes", "kernel", "neon", "planar_map", "row_levels", "shortcuts", "sse41", "upright", "words")]
+KERNELS = [f"hal/kernels/{name}.cpp" for name in ("avx2", "avx512", "avx512_gathers", "avx512_loads", "byte_planes", "kernel", "neon", "planar_map", "row_levels", "shortcuts", "sse41", "upright", "words", "write_out")]
 
 KERNEL_GATES = [
     ("a vector kernel's halves always up", "hal/kernels/vectors/pixels.hpp", "add16(rest, x & number<0x00800080>())", "add16(rest, number<0x00800080>())", "kernels", "random_planes*", KERNELS),
@@ -44,6 +44,13 @@ KERNEL_GATES = [
     ("vector kernels: sixteen samples whatever is asked for", "hal/kernels/vectors/aniso.hpp", "set(work.most_ratio)), set(0))", "set(4 << 16)), set(0))", "kernels", "rows_of_fewer*", KERNELS),
     ("a vector kernel's rows as long as they like", "hal/kernels/vectors/aniso.hpp", "limit - reach_of(c)", "8192", "kernels", "rows_beyond*", KERNELS),
     ("a vector kernel's texels before the division", "hal/kernels/vectors/common.hpp", "extent + (extent >> (-1 - c.slope_log2)) + 1", "extent", "kernels", "texels_after*", KERNELS),
+    ("kernels' write-out: the frame's alpha mixed as a colour", "hal/kernels/write_out.cpp", "(s | full) * a", "s * a", "kernels", "planes_are_written*", KERNELS),
+    ("kernels' write-out: premultiplied sums beyond 255", "hal/kernels/write_out.cpp", "return sum < most ? sum : most;", "return sum;", "kernels", "planes_are_written*", KERNELS),
+    ("kernels' write-out: cut out at the threshold", "hal/kernels/write_out.cpp", ">= threshold;", "> threshold;", "kernels", "planes_are_written*", KERNELS),
+    ("kernels' write-out: a colour without its alpha", "hal/kernels/write_out.cpp", "{c.r, c.g, c.b, c.a, c.r, c.g, c.b, c.a}", "{c.r, c.g, c.b, 255, c.r, c.g, c.b, 255}", "kernels", "planes_are_written*", KERNELS),
+    ("kernels' write-out: depths of pixels that are cut out", "hal/kernels/write_out.cpp", "span_mask rest = written;", "span_mask rest = mask;", "kernels", "polygons_are_written*", KERNELS),
+    ("kernels' write-out: cut-outs hide before they are drawn", "hal/kernels/rows.hpp", "(texels.opaque() && shade.without_alpha()) || how.stores_depth_first();", "shade.without_alpha() || true;", "kernels", "polygons_are_written*", KERNELS),
+    ("kernels' write-out: what is left is stored", "hal/kernels/rows.hpp", "row.mask[k], shade));", "row.mask[k]));", "kernels", "polygons_are_written*", KERNELS),
     ("copies of texels next to the centre", "hal/kernels/shortcuts.cpp", "2 * most_off_centre * (w >> 16)", "2 * (most_off_centre + 72) * (w >> 16)", "kernels", "whole_texels_are*", KERNELS),
     ("copies of texels on a level", "hal/kernels/shortcuts.cpp", "2 * most_off_centre * (w >> 16)", "2 * (most_off_centre + 48) * (w >> 16)", "kernels", "whole_texels_of*", KERNELS),
     ("copies of what does not stay at the centre", "hal/kernels/shortcuts.cpp", "&& holds(c.x0, c.y1) && holds(c.x1, c.y1)", "", "kernels", "whole_texels*", KERNELS),

@@ -55,6 +55,10 @@ template <class T> struct only_if<false, T> { struct type {}; };
 template <span_engine Engine, class Prof, class Shading = opaque_only, class Reads = uncounted_reads, class Skips = device_skips>
 class renderer {
  public:
+  using shading_type = Shading;
+  using shading_job = typename Shading::job;
+  static constexpr bool shades = Shading::enabled;
+
   // The frame must outlive the renderer.
   constexpr renderer(Engine& engine, const Prof& prof, const frame_buffer& frame, const Skips& skips = {}, const Reads& reads = {})
       : engine_(engine), prof_(prof), frame_(frame), skips_(skips), reads_(reads) {}
@@ -107,10 +111,9 @@ class renderer {
     });
   }
 
-  // One span of a plane, in whatever order the caller likes.
-  constexpr status draw_span(const surface& s, int32_t sx, int32_t sy, span_mask covered, const Shading& how = {}) {
-    shade_ = how.of(*s.map);
-    note_opaque(s);
+  // One span of a plane or polygon, in whatever order the caller likes; what it is hidden by is the caller's to know.
+  constexpr status draw_span(const surface& s, int32_t sx, int32_t sy, span_mask covered, const shading_job& shade = {}) {
+    shade_ = shade;
     return plan(s, sx, sy, covered);
   }
 

@@ -133,6 +133,7 @@ struct opaque_only {
   static constexpr bool enabled = false;
   struct job {
     constexpr bool stores_depth() const { return false; }
+    constexpr bool without_alpha() const { return false; }
   };
   constexpr bool stores_depth_first() const { return true; }
   constexpr job of(const plane&) const { return {}; }

@@ -10,6 +10,7 @@
 #include <hal/kernels/kernel.hpp>
 #include <hal/kernels/shortcuts.hpp>
 #include <hal/kernels/upright.hpp>
+#include <hal/kernels/write_out.hpp>
 #include <spantex/draw.hpp>
 
 namespace spantex::kernels {
@@ -22,10 +23,17 @@ struct row_masks {
   int from, to;  // those with something to draw lie in [from, to)
 };
 
-// Rows of spans of an area: `cover` makes the masks those from span (first, sy) on, of those of the row before; the kernel draws, and what it leaves goes through the renderer.
-template <class Renderer, class Cover, class... How>
-status draw_rows(row_kernel kernel, const planar_map& texels, Renderer& scalar, const surface& s, rectangle area, const frame_buffer& frame, draw_counters& counts, Cover cover,
-                 const How&... how) {
+// Pixels that are stored as they are computed.
+struct in_place {
+  row_work aside(const row_work& work) const { return work; }
+  void write(const row_work&, draw_counters&) const {}
+};
+
+// Rows of spans of an area: `cover` makes the masks those from span (first, sy) on, of those of the row before; the kernel draws, `out` writes, and what is left goes through the
+// renderer.
+template <class Renderer, class Cover, class Out>
+status draw_rows_to(row_kernel kernel, const planar_map& texels, Renderer& scalar, const surface& s, rectangle area, const frame_buffer& frame, draw_counters& counts, Cover cover,
+                    const typename Renderer::shading_job& shade, Out&& out) {
   area = intersection(area, {0, 0, frame.width, frame.height});
   if (area.empty()) return status::ok;
   const int32_t first = area.x0 / span_side;
@@ -41,35 +49,46 @@ status draw_rows(row_kernel kernel, const planar_map& texels, Renderer& scalar, 
     counts.spans_total += uint64_t(count);
     cover(area, first, count, sy, row);
     if (row.from >= row.to) continue;
-    row_work work{s.map, &texels, s.kind, s.texture->last_level(), first + row.from, sy, row.to - row.from, row.mask + row.from, frame.pixels, frame.stride, left + row.from};
+    row_work work = out.aside(
+        {s.map, &texels, s.kind, s.texture->last_level(), first + row.from, sy, row.to - row.from, row.mask + row.from, frame.pixels, frame.stride, left + row.from});
     work.most_ratio = log2_16(uint64_t(scalar.numbers().max_samples));
     const int32_t y = sy * span_side;
     const shortcut known = everywhere.how != shortcut::way::none ? everywhere : shortcut_of(s, texels, intersection(area, {area.x0, y, area.x1, y + span_side}));
     if (known.how != shortcut::way::none) {
       draw_by(known, work);
+      out.write(work, counts);
       continue;
     }
     work.memory = &memory;
     work.upright = upright.row(sy);
     kernel(work);
+    out.write(work, counts);
     for (bool* at = left + row.from; (at = next_left(at, left + row.to)) != nullptr; ++at) {
       *at = false;
       const int k = int(at - left);
       --counts.jobs;
       counts.pixels -= uint64_t(__builtin_popcountll(row.mask[k]));
-      SPANTEX_TRY(scalar.draw_span(s, first + k, sy, row.mask[k], how...));
+      SPANTEX_TRY(scalar.draw_span(s, first + k, sy, row.mask[k], shade));
     }
   }
   return status::ok;
 }
 
+template <class Renderer, class Cover>
+status draw_rows(row_kernel kernel, const planar_map& texels, Renderer& scalar, const surface& s, rectangle area, const frame_buffer& frame, draw_counters& counts, Cover cover,
+                 const typename Renderer::shading_job& shade) {
+  if constexpr (Renderer::shades)
+    if (!stores_as_computed(shade)) return draw_rows_to(kernel, texels, scalar, s, area, frame, counts, cover, shade, row_write_out(shade, frame));
+  return draw_rows_to(kernel, texels, scalar, s, area, frame, counts, cover, shade, in_place{});
+}
+
 }  // namespace detail
 
-// Draws the part of the plane in front of the viewer inside `area` of the frame. `texels` is made of the view `t`; profile default but for max_samples, opaque pixels, colours as
-// coded. Spans looked at are counted in `counts`, and jobs and pixels of the kernel; those of the rest in the renderer's own counters.
-template <class Renderer, class... How>
+// Draws the part of the plane in front of the viewer inside `area` of the frame. `texels` is made of the view `t`; profile default but for max_samples, colours as coded. `scalar` must
+// hold nothing of other surfaces that is still computing. Spans looked at are counted in `counts`, and jobs and pixels of the kernel; those of the rest in the renderer's own counters.
+template <class Renderer>
 status draw_plane(row_kernel kernel, const planar_map& texels, Renderer& scalar, const plane& p, const texture_view& t, filter kind, rectangle area,
-                  const frame_buffer& frame, draw_counters& counts, const How&... how) {
+                  const frame_buffer& frame, draw_counters& counts, const typename Renderer::shading_type& how = {}) {
   span_mask filled = 0;  // what the row before has in all spans but the ends; 0 where some are kept
   const auto cover = [&](rectangle r, int32_t first, int count, int32_t sy, detail::row_masks& out) {
     const int32_t y0 = max_of(r.y0, sy * span_side), y1 = min_of(r.y1, (sy + 1) * span_side);
@@ -94,13 +113,17 @@ status draw_plane(row_kernel kernel, const planar_map& texels, Renderer& scalar,
       out.mask[k] = 0;
     }
   };
-  return detail::draw_rows(kernel, texels, scalar, surface{&p, &t, kind}, area, frame, counts, cover, how...);
+  auto shade = how.of(p);
+  if (texels.opaque()) shade.without_alpha();
+  return detail::draw_rows(kernel, texels, scalar, surface{&p, &t, kind}, area, frame, counts, cover, shade);
 }
 
-// Draws the part of a polygon inside `area`, hidden parts left out, opaque. The same otherwise; `scalar` must hold nothing that is still computing, and holds nothing afterwards.
-template <class Renderer, class... How>
+// Draws the part of a polygon inside `area`, hidden parts left out. The same otherwise; `scalar` holds nothing afterwards.
+template <class Renderer>
 status draw_polygon(row_kernel kernel, const planar_map& texels, Renderer& scalar, const polygon& p, const texture_view& t, filter kind, rectangle area, depth_buffer depth,
-                    const frame_buffer& frame, draw_counters& counts, const How&... how) {
+                    const frame_buffer& frame, draw_counters& counts, const typename Renderer::shading_type& how = {}) {
+  auto shade = how.of(p, depth.values);
+  const bool stores_depth = (texels.opaque() && shade.without_alpha()) || how.stores_depth_first();
   polygon_coverage covered(p.edges);
   const auto cover = [&](rectangle r, int32_t first, int count, int32_t sy, detail::row_masks& out) {
     out.from = count;
@@ -118,7 +141,7 @@ status draw_polygon(row_kernel kernel, const planar_map& texels, Renderer& scala
       if (mask == 0) { ++counts.spans_empty; continue; }
       mask &= front_mask(p.map, first + k, sy);
       if (mask == 0) { ++counts.spans_behind; continue; }
-      if (depth.values != nullptr) mask = depth_test(p, first + k, sy, mask, depth, frame.width, true);
+      if (depth.values != nullptr) mask = depth_test(p, first + k, sy, mask, depth, frame.width, stores_depth);
       if (mask == 0) { ++counts.spans_hidden; continue; }
       out.from = min_of(out.from, k);
       out.to = k + 1;
@@ -126,7 +149,7 @@ status draw_polygon(row_kernel kernel, const planar_map& texels, Renderer& scala
       counts.pixels += uint64_t(__builtin_popcountll(mask));
     }
   };
-  SPANTEX_TRY(detail::draw_rows(kernel, texels, scalar, surface{&p.map, &t, kind}, intersection(p.box, area), frame, counts, cover, how...));
+  SPANTEX_TRY(detail::draw_rows(kernel, texels, scalar, surface{&p.map, &t, kind}, intersection(p.box, area), frame, counts, cover, shade));
   return scalar.flush();
 }
 
