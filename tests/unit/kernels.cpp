@@ -548,7 +548,7 @@ SPANTEX_CASE(planes_are_written_out_as_the_engine_does) {
 }
 
 // A kernel that draws nothing.
-void leaving_kernel(const kernels::row_work& work) { for (int k = 0; k < work.count; ++k) work.left[k] = true; }
+void leaving_kernel(const kernels::row_work& work) { for (int k = 0; k < work.count; ++k) work.left[k] = work.masks[k] != 0; }
 
 SPANTEX_CASE(polygons_are_written_out_as_the_engine_does) {
   const rgba8 corners[3] = {{255, 0, 90, 255}, {0, 200, 255, 128}, {30, 255, 0, 0}};
