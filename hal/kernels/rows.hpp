@@ -85,7 +85,8 @@ status draw_rows(row_kernel kernel, const planar_map& texels, Renderer& scalar, 
 }  // namespace detail
 
 // Draws the part of the plane in front of the viewer inside `area` of the frame. `texels` is made of the view `t`; profile default but for max_samples, colours as coded. `scalar` must
-// hold nothing of other surfaces that is still computing. Spans looked at are counted in `counts`, and jobs and pixels of the kernel; those of the rest in the renderer's own counters.
+// hold nothing of other surfaces that is still computing; `kind` is one that draws(). Maps whose texels are opaque are drawn so whatever their facts say: nothing of them counts as
+// blended. Spans looked at are counted in `counts`, and jobs and pixels of the kernel; those of the rest in the renderer's own counters.
 template <class Renderer>
 status draw_plane(row_kernel kernel, const planar_map& texels, Renderer& scalar, const plane& p, const texture_view& t, filter kind, rectangle area,
                   const frame_buffer& frame, draw_counters& counts, const typename Renderer::shading_type& how = {}) {

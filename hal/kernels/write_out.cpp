@@ -11,9 +11,9 @@ constexpr bool is_little_endian = __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__;
 using bytes = uint8_t __attribute__((vector_size(16)));
 using colours = uint32_t __attribute__((vector_size(16)));   // of a pixel each
 using channels = uint16_t __attribute__((vector_size(16)));  // of two pixels
-using words = uint64_t __attribute__((vector_size(16)));
+using pairs = uint64_t __attribute__((vector_size(16)));
 
-struct quad { channels first, second; };
+struct widened_pixels { channels first, second; };
 
 inline bytes load(const rgba8* from) {
   bytes b;
@@ -21,13 +21,13 @@ inline bytes load(const rgba8* from) {
   return b;
 }
 
-inline quad widened(bytes b) {
+inline widened_pixels widened(bytes b) {
   constexpr bytes zero{};
   const bytes low = is_little_endian ? b : zero, high = is_little_endian ? zero : b;
   return {channels(__builtin_shufflevector(low, high, 0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23)),
           channels(__builtin_shufflevector(low, high, 8, 24, 9, 25, 10, 26, 11, 27, 12, 28, 13, 29, 14, 30, 15, 31))};
 }
-inline bytes narrowed(const quad& q) {
+inline bytes narrowed(const widened_pixels& q) {
   constexpr int low = is_little_endian ? 0 : 1;
   return __builtin_shufflevector(bytes(q.first), bytes(q.second), low, low + 2, low + 4, low + 6, low + 8, low + 10, low + 12, low + 14, low + 16, low + 18, low + 20, low + 22, low + 24,
                                  low + 26, low + 28, low + 30);
@@ -57,7 +57,7 @@ template <alpha_mode Alpha>
 inline uint32_t write_four(const rgba8* from, rgba8* to, uint32_t wanted, uint32_t threshold, bool modulates, channels colour) {
   bytes s = load(from);
   if (modulates) {
-    const quad q = widened(s);
+    const widened_pixels q = widened(s);
     s = narrowed({over_255(q.first * colour), over_255(q.second * colour)});
   }
   constexpr colours pixel = {1, 2, 4, 8};
@@ -66,13 +66,13 @@ inline uint32_t write_four(const rgba8* from, rgba8* to, uint32_t wanted, uint32
   const bytes there = load(to);
   bytes out = s;
   if constexpr (Alpha == alpha_mode::blended || Alpha == alpha_mode::premultiplied) {
-    const quad over = widened(s), under = widened(there);
+    const widened_pixels over = widened(s), under = widened(there);
     if constexpr (Alpha == alpha_mode::blended) out = narrowed({mixed(over.first, under.first), mixed(over.second, under.second)});
     else out = narrowed({mixed_premultiplied(over.first, under.first), mixed_premultiplied(over.second, under.second)});
   }
   out = (out & bytes(taken)) | (there & ~bytes(taken));
   memcpy(to, &out, sizeof out);
-  const words bits = words(colours(taken) & pixel);
+  const pairs bits = pairs(colours(taken) & pixel);
   const uint64_t all = bits[0] | bits[1];
   return uint32_t(all | all >> 32);
 }

@@ -24,7 +24,7 @@ class row_write_out {
   void write(const row_work& drawn, draw_counters& counts) const;
 
  private:
-  static constexpr int32_t stride = max_row_spans * span_side;
+  static constexpr int32_t stride = max_row_spans * span_side + 16;  // rows of a span in different sets of a cache
 
   const shading::job& shade_;
   const frame_buffer& frame_;
