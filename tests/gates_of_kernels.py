@@ -49,6 +49,7 @@ KERNEL_GATES = [
     ("kernels' write-out: cut out at the threshold", "hal/kernels/write_out.cpp", ">= threshold;", "> threshold;", "kernels", "planes_are_written*", KERNELS),
     ("kernels' write-out: a colour without its alpha", "hal/kernels/write_out.cpp", "{c.r, c.g, c.b, c.a, c.r, c.g, c.b, c.a}", "{c.r, c.g, c.b, 255, c.r, c.g, c.b, 255}", "kernels", "planes_are_written*", KERNELS),
     ("kernels' write-out: depths of pixels that are cut out", "hal/kernels/write_out.cpp", "span_mask rest = written;", "span_mask rest = mask;", "kernels", "polygons_are_written*", KERNELS),
+    ("kernels' write-out: depths as far apart as pixels", "hal/kernels/write_out.cpp", "shade_.depth_values[y * frame_.width + x]", "shade_.depth_values[y * frame_.width + x + (frame_.stride != frame_.width)]", "kernels", "polygons_are_written*", KERNELS),
     ("kernels' write-out: cut-outs hide before they are drawn", "hal/kernels/rows.hpp", "(texels.opaque() && shade.without_alpha()) || how.stores_depth_first();", "shade.without_alpha() || true;", "kernels", "polygons_are_written*", KERNELS),
     ("kernels' write-out: what is left is stored", "hal/kernels/rows.hpp", "row.mask[k], shade));", "row.mask[k]));", "kernels", "polygons_are_written*", KERNELS),
     ("copies of texels next to the centre", "hal/kernels/shortcuts.cpp", "2 * most_off_centre * (w >> 16)", "2 * (most_off_centre + 72) * (w >> 16)", "kernels", "whole_texels_are*", KERNELS),

@@ -496,6 +496,13 @@ void each_shading(Draw draw) {
   }
 }
 
+// A frame whose rows lie further apart than its width.
+frame_buffer within(picture& wider) {
+  frame_buffer f = wider.frame();
+  f.width = scene_width;
+  return f;
+}
+
 // What lies under the picture.
 void lay_background(picture& under) {
   random_source random(5);
@@ -508,19 +515,19 @@ void lay_background(picture& under) {
 // By the engine, then by every kernel: the same pixels, depths and counts.
 template <class ByEngine, class ByKernel>
 void same_write_out(filter kind, ByEngine by_engine_draws, ByKernel by_kernel_draws) {
-  by_scalar.reset(scene_width, scene_height);
+  by_scalar.reset(scene_width + 5, scene_height);
   lay_background(by_scalar);
   shaded_engine engine;
-  shaded_renderer r(engine, prof{}, by_scalar.frame());
+  shaded_renderer r(engine, prof{}, within(by_scalar));
   depths by_engine;
   by_engine_draws(r, by_engine);
   SPANTEX_ASSERT_OK(r.finish());
   for (const named_kernel& k : every_kernel) {
     if (kernels::kernel_of(k.which) == nullptr) continue;
-    by_kernel.reset(scene_width, scene_height);
+    by_kernel.reset(scene_width + 5, scene_height);
     lay_background(by_kernel);
     shaded_engine other;
-    shaded_renderer rest(other, prof{}, by_kernel.frame());
+    shaded_renderer rest(other, prof{}, within(by_kernel));
     depths own;
     draw_counters counts;
     by_kernel_draws(k, rest, own, counts);
@@ -542,7 +549,7 @@ SPANTEX_CASE(planes_are_written_out_as_the_engine_does) {
           same_write_out(
               kind, [&](shaded_renderer& r, depths&) { SPANTEX_ASSERT_OK(r.draw(p, map.view, kind, area, how)); },
               [&](const named_kernel& k, shaded_renderer& rest, depths&, draw_counters& counts) {
-                SPANTEX_ASSERT_OK(kernels::draw_plane(kernels::kernel_of(k.which), map.of(k.which), rest, p, map.view, kind, area, by_kernel.frame(), counts, how));
+                SPANTEX_ASSERT_OK(kernels::draw_plane(kernels::kernel_of(k.which), map.of(k.which), rest, p, map.view, kind, area, within(by_kernel), counts, how));
               });
   });
 }
@@ -569,7 +576,7 @@ SPANTEX_CASE(polygons_are_written_out_as_the_engine_does) {
               kind, [&](shaded_renderer& r, depths& d) { with_colours([&](const polygon& p, const shading& how) { return r.draw(p, map.view, kind, d.buffer(), how); }); },
               [&](const named_kernel& k, shaded_renderer& rest, depths& d, draw_counters& counts) {
                 with_colours([&](const polygon& p, const shading& how) {
-                  return kernels::draw_polygon(leaves ? leaving_kernel : kernels::kernel_of(k.which), map.of(k.which), rest, p, map.view, kind, p.box, d.buffer(), by_kernel.frame(), counts, how);
+                  return kernels::draw_polygon(leaves ? leaving_kernel : kernels::kernel_of(k.which), map.of(k.which), rest, p, map.view, kind, p.box, d.buffer(), within(by_kernel), counts, how);
                 });
               });
         }
