@@ -167,7 +167,6 @@ status draw_item(auto& renderer, const drawable& item, const scene& s, const dra
   texture_view& map = renderer.reads().view;
   if (!by_kernel || renderer.reads().map != &s.map_of(item)) SPANTEX_TRY(view_of(s, item, o, map));  // of the same map it would be the same, whose levels are all made
   renderer.reads().map = &s.map_of(item);
-  if (by_kernel) SPANTEX_TRY(renderer.flush());  // what of a plane was left to the engine lies under this item
   if (item.is_polygon) {
     if (by_kernel) {
       SPANTEX_TRY(kernels::draw_polygon(out.ready.kernel, *out.ready.maps[size_t(item.map_index)], renderer, item.shape, map, o.kind, rows, out.depths(), frame_of(out.picture), counts, how));

@@ -446,7 +446,6 @@ GATES = [
     ("floors of spans that are not kept not cleared", "sim/draw_host.cpp", "fill(out.depth.floors, span, 1, 0u);", "", "bands", "frames_drawn*", OBJECT_SPACE),
     ("kept spans cleared", "sim/draw_host.cpp", "if (out.kept[span] != 0) continue;", "", "unchanged", "a_still*", OBJECT_SPACE),
     ("kept spans drawn again", "hal/kernels/rows.hpp", "if (scalar.keeps(first + k, sy)) {", "if (scalar.keeps(first + k, sy) && first < 0) {", "unchanged", "a_still*", OBJECT_SPACE),
-    ("a kernel's surface under what is still computed", "sim/draw_host.cpp", "if (by_kernel) SPANTEX_TRY(renderer.flush());", "", "unchanged", "random*", OBJECT_SPACE),
     ("all levels made with the first", "sim/map.cpp", "w.asked |= 1u << level;", "w.asked |= (1u << level_count()) - 1;", "levels_on_demand", "levels_are*", OBJECT_SPACE),
     ("a level read before it is made", F + "draw.hpp", "reads_.touch(level);", "reads_.touch(0);", "levels_on_demand", "levels_are*", OBJECT_SPACE),
     ("blocks decoded and not counted", F + "global_reads.hpp", "    ++blocks_;\n", "", "levels_on_demand", "blocks_are*", OBJECT_SPACE),

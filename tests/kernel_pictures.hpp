@@ -65,7 +65,7 @@ void draw_all_by(const Prof& numbers, const plane& p, const ready_map& map, filt
   }
 }
 
-void draw_all(const plane& p, const ready_map& map, filter kind, rectangle area, int32_t width, int32_t height, uint64_t most_left = UINT64_MAX) {
+inline void draw_all(const plane& p, const ready_map& map, filter kind, rectangle area, int32_t width, int32_t height, uint64_t most_left = UINT64_MAX) {
   draw_all_by(prof{}, p, map, kind, area, width, height, most_left);
 }
 
@@ -75,6 +75,35 @@ plane upright_plane(double u, double v, double step_u, double step_v, rectangle 
   plane p{};
   SPANTEX_ASSERT_OK(make_plane(homography_of(m), area, p));
   return p;
+}
+
+// --- triangles through each other, in front of the camera and across it ---
+
+constexpr int32_t scene_width = 203, scene_height = 101;
+
+struct depths {
+  std::vector<uint32_t> values = std::vector<uint32_t>(scene_width * scene_height), floors = std::vector<uint32_t>(26 * 13);
+  depth_buffer buffer() { return {values.data(), floors.data()}; }
+  bool operator==(const depths&) const = default;
+};
+
+template <class Draw>
+void each_triangle(Draw draw, int count, const rgba8 (&colours)[3]) {
+  constexpr int32_t one = 1 << 16;
+  constexpr projection camera{100 * one, 100 * one, scene_width * one / 2, scene_height * one / 2, one / 16};
+  random_source random(17);
+  for (int n = 0; n < count; ++n) {
+    vertex v[3];
+    const int32_t near = int32_t(random.between(one / 4, 20 * one));
+    for (vertex& x : v) {
+      const int32_t z = near + int32_t(random.between(-one, 4 * one));
+      x = {int32_t(random.between(-2 * near, 2 * near)), int32_t(random.between(-near, near)), z, int32_t(random.between(-50 * one, 50 * one)),
+           int32_t(random.between(-50 * one, 50 * one))};
+    }
+    polygon p{};
+    colour_forms forms{};
+    if (make_polygon(v, colours, 3, camera, {0, 0, scene_width, scene_height}, p, forms) == status::ok) SPANTEX_ASSERT_OK(draw(p, forms));
+  }
 }
 
 }  // namespace

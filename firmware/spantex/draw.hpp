@@ -57,7 +57,6 @@ class renderer {
  public:
   using shading_type = Shading;
   using shading_job = typename Shading::job;
-  static constexpr bool shades = Shading::enabled;
 
   // The frame must outlive the renderer.
   constexpr renderer(Engine& engine, const Prof& prof, const frame_buffer& frame, const Skips& skips = {}, const Reads& reads = {})

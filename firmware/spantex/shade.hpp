@@ -174,15 +174,19 @@ struct shading {
     // Pixels of a smaller alpha are left out, whatever their colour: multiplied, it does not grow.
     constexpr int left_below() const { return alpha == alpha_mode::cut_out ? threshold : alpha == alpha_mode::blended ? 1 : 0; }
 
+    // Of a pixel that is written; index as below.
+    constexpr void store_depth(int32_t x, int32_t y, int32_t index) const {
+      if (stores_depth()) depth_values[index] = detail::depth_of(depth, 2 * x + 1 - origin_x, 2 * y + 1 - origin_y);
+    }
+
     // Pixel (x, y), `depth_index` in the depth buffer.
     constexpr write_result write(rgba8 s, int32_t x, int32_t y, rgba8& there, int32_t depth_index) const {
-      const int32_t dx = 2 * x + 1 - origin_x, dy = 2 * y + 1 - origin_y;
-      if (modulates) s = modulated(s, detail::colour_at(colours, w, dx, dy));
+      if (modulates) s = modulated(s, detail::colour_at(colours, w, 2 * x + 1 - origin_x, 2 * y + 1 - origin_y));
       switch (alpha) {
         case alpha_mode::opaque: break;
         case alpha_mode::cut_out:
           if (s.a < threshold) return write_result::left;
-          if (stores_depth()) depth_values[depth_index] = detail::depth_of(depth, dx, dy);
+          store_depth(x, y, depth_index);
           break;
         case alpha_mode::blended:
           if (s.a == 0) return write_result::left;

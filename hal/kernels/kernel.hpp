@@ -48,7 +48,7 @@ struct row_work {
   int32_t sx, sy;          // the first span
   int count;               // 1 to max_row_spans, side by side
   const span_mask* masks;  // count of them; zero: nothing to draw
-  rgba8* pixels;           // of the frame: pixel (0, 0)
+  rgba8* pixels;           // the first one of row span_side sy, from x = 0 on
   int32_t stride;
   bool* left;              // count of them, false: the kernel sets those of spans that it did not draw
   int32_t most_ratio = 4 << 16;    // log2_16(max_samples): of the axes of rows of samples (aniso)

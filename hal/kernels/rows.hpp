@@ -23,7 +23,7 @@ struct row_masks {
   int from, to;  // those with something to draw lie in [from, to)
 };
 
-// Pixels that are stored as they are computed.
+// Where a row is drawn, aside(), and what then becomes of it, write(): here pixels are stored as they are computed; row_write_out otherwise.
 struct in_place {
   row_work aside(const row_work& work) const { return work; }
   void write(const row_work&, draw_counters&) const {}
@@ -49,10 +49,10 @@ status draw_rows_to(row_kernel kernel, const planar_map& texels, Renderer& scala
     counts.spans_total += uint64_t(count);
     cover(area, first, count, sy, row);
     if (row.from >= row.to) continue;
-    row_work work = out.aside(
-        {s.map, &texels, s.kind, s.texture->last_level(), first + row.from, sy, row.to - row.from, row.mask + row.from, frame.pixels, frame.stride, left + row.from});
-    work.most_ratio = log2_16(uint64_t(scalar.numbers().max_samples));
     const int32_t y = sy * span_side;
+    row_work work = out.aside({s.map, &texels, s.kind, s.texture->last_level(), first + row.from, sy, row.to - row.from, row.mask + row.from,
+                               frame.pixels + int64_t(y) * frame.stride, frame.stride, left + row.from});
+    work.most_ratio = log2_16(uint64_t(scalar.numbers().max_samples));
     const shortcut known = everywhere.how != shortcut::way::none ? everywhere : shortcut_of(s, texels, intersection(area, {area.x0, y, area.x1, y + span_side}));
     if (known.how != shortcut::way::none) {
       draw_by(known, work);
@@ -77,7 +77,7 @@ status draw_rows_to(row_kernel kernel, const planar_map& texels, Renderer& scala
 template <class Renderer, class Cover>
 status draw_rows(row_kernel kernel, const planar_map& texels, Renderer& scalar, const surface& s, rectangle area, const frame_buffer& frame, draw_counters& counts, Cover cover,
                  const typename Renderer::shading_job& shade) {
-  if constexpr (Renderer::shades)
+  if constexpr (Renderer::shading_type::enabled)
     if (!stores_as_computed(shade)) return draw_rows_to(kernel, texels, scalar, s, area, frame, counts, cover, shade, row_write_out(shade, frame));
   return draw_rows_to(kernel, texels, scalar, s, area, frame, counts, cover, shade, in_place{});
 }
@@ -85,8 +85,8 @@ status draw_rows(row_kernel kernel, const planar_map& texels, Renderer& scalar, 
 }  // namespace detail
 
 // Draws the part of the plane in front of the viewer inside `area` of the frame. `texels` is made of the view `t`; profile default but for max_samples, colours as coded. `scalar` must
-// hold nothing of other surfaces that is still computing; `kind` is one that draws(). Maps whose texels are opaque are drawn so whatever their facts say: nothing of them counts as
-// blended. Spans looked at are counted in `counts`, and jobs and pixels of the kernel; those of the rest in the renderer's own counters.
+// hold nothing that is still computing, and holds nothing afterwards; `kind` is one that draws(). Maps whose texels are opaque are drawn so whatever their facts say: nothing of them
+// counts as blended. Spans looked at are counted in `counts`, and jobs and pixels of the kernel; those of the rest in the renderer's own counters.
 template <class Renderer>
 status draw_plane(row_kernel kernel, const planar_map& texels, Renderer& scalar, const plane& p, const texture_view& t, filter kind, rectangle area,
                   const frame_buffer& frame, draw_counters& counts, const typename Renderer::shading_type& how = {}) {
@@ -116,10 +116,11 @@ status draw_plane(row_kernel kernel, const planar_map& texels, Renderer& scalar,
   };
   auto shade = how.of(p);
   if (texels.opaque()) shade.without_alpha();
-  return detail::draw_rows(kernel, texels, scalar, surface{&p, &t, kind}, area, frame, counts, cover, shade);
+  SPANTEX_TRY(detail::draw_rows(kernel, texels, scalar, surface{&p, &t, kind}, area, frame, counts, cover, shade));
+  return scalar.flush();
 }
 
-// Draws the part of a polygon inside `area`, hidden parts left out. The same otherwise; `scalar` holds nothing afterwards.
+// Draws the part of a polygon inside `area`, hidden parts left out. The same otherwise.
 template <class Renderer>
 status draw_polygon(row_kernel kernel, const planar_map& texels, Renderer& scalar, const polygon& p, const texture_view& t, filter kind, rectangle area, depth_buffer depth,
                     const frame_buffer& frame, draw_counters& counts, const typename Renderer::shading_type& how = {}) {

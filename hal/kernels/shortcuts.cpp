@@ -99,7 +99,7 @@ shortcut shortcut_of(const surface& s, const planar_map& texels, rectangle area)
 }
 
 void draw_by(const shortcut& s, const row_work& work) {
-  const auto pixel = [&](int32_t x, int32_t y) { return work.pixels + (int64_t(y) * work.stride + x); };
+  const auto pixel = [&](int32_t x, int32_t y) { return work.pixels + (int64_t(y - work.sy * span_side) * work.stride + x); };
   const level_rows map(*work.texels);
   if (s.how == shortcut::way::fill) return each_run(work, [&](int32_t x, int32_t y, int32_t count) { std::fill_n(pixel(x, y), count, *map.origin); });
   each_run(work, [&](int32_t x, int32_t y, int32_t count) { copy_texels(map, x + s.u, y + s.v, count, pixel(x, y)); });

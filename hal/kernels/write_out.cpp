@@ -106,9 +106,7 @@ span_mask write_span_as(const rgba8* from, int32_t from_stride, rgba8* to, int32
 }  // namespace
 
 row_work row_write_out::aside(row_work work) {
-  // Where the frame's pixel (0, 0) would lie: kernels count from there to the span's.
-  const int64_t before = int64_t(work.sy) * span_side * stride + work.sx * span_side;
-  work.pixels = reinterpret_cast<rgba8*>(reinterpret_cast<uintptr_t>(row_) - uintptr_t(before) * sizeof(rgba8));
+  work.pixels = row_;
   work.stride = stride;
   return work;
 }
@@ -118,24 +116,24 @@ void row_write_out::write(const row_work& drawn, draw_counters& counts) const {
   for (int k = 0; k < drawn.count; ++k) {
     const span_mask mask = drawn.masks[k];
     if (mask == 0 || drawn.left[k]) continue;
-    const rgba8* from = row_ + k * span_side;
     const int32_t x0 = (drawn.sx + k) * span_side, y0 = drawn.sy * span_side;
+    const rgba8* const from = row_ + x0;
+    rgba8* const to = frame_.pixels + int64_t(y0) * frame_.stride + x0;
+    const auto each_of = [&](span_mask pixels, auto&& each) {  // each(k, column, row in the span, index of its depth)
+      for (; pixels != 0; pixels &= pixels - 1) {
+        const int at = __builtin_ctzll(pixels), i = at % span_side, j = at / span_side;
+        each(at, i, j, (y0 + j) * frame_.width + x0 + i);
+      }
+    };
     span_mask written = 0;
     if (by_pixel || x0 + span_side > frame_.width) {
-      for (span_mask rest = mask; rest != 0; rest &= rest - 1) {
-        const int at = __builtin_ctzll(rest);
-        const int32_t i = at % span_side, j = at / span_side, x = x0 + i, y = y0 + j;
-        const write_result result = shade_.write(from[j * stride + i], x, y, frame_.pixels[int64_t(y) * frame_.stride + x], y * frame_.width + x);
+      each_of(mask, [&](int at, int i, int j, int32_t depth_index) {
+        const write_result result = shade_.write(from[j * stride + i], x0 + i, y0 + j, to[int64_t(j) * frame_.stride + i], depth_index);
         written |= span_mask(result != write_result::left) << at;
-      }
+      });
     } else {
-      written = write_span_as(from, stride, frame_.pixels + int64_t(y0) * frame_.stride + x0, frame_.stride, mask, shade_);
-      if (shade_.stores_depth())
-        for (span_mask rest = written; rest != 0; rest &= rest - 1) {
-          const int at = __builtin_ctzll(rest);
-          const int32_t x = x0 + at % span_side, y = y0 + at / span_side;
-          shade_.depth_values[y * frame_.width + x] = detail::depth_of(shade_.depth, 2 * x + 1 - shade_.origin_x, 2 * y + 1 - shade_.origin_y);
-        }
+      written = write_span_as(from, stride, to, frame_.stride, mask, shade_);
+      if (shade_.stores_depth()) each_of(written, [&](int, int i, int j, int32_t depth_index) { shade_.store_depth(x0 + i, y0 + j, depth_index); });
     }
     const auto count = uint64_t(__builtin_popcountll(written));
     counts.pixels_left += uint64_t(__builtin_popcountll(mask)) - count;

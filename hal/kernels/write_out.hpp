@@ -28,7 +28,7 @@ class row_write_out {
 
   const shading::job& shade_;
   const frame_buffer& frame_;
-  alignas(64) rgba8 row_[span_side * stride];
+  alignas(64) rgba8 row_[span_side * stride];  // where the frame has them, x from 0 on
 };
 
 }  // namespace spantex::kernels

@@ -208,7 +208,7 @@ SPANTEX_INLINE void write_half(rgba8* row, int64_t stride, v16 left, v16 right) 
   }
 }
 
-SPANTEX_INLINE rgba8* first_of_span(const row_work& work, int32_t sx) { return work.pixels + int64_t(work.sy) * span_side * work.stride + sx * span_side; }
+SPANTEX_INLINE rgba8* first_of_span(const row_work& work, int32_t sx) { return work.pixels + sx * span_side; }
 
 // Quads of two columns: rows of each are pairs of pixels.
 SPANTEX_INLINE void write_tall(rgba8* row, int64_t stride, const v16 (&quad)[quads]) {

@@ -85,7 +85,7 @@ void blend_upright(const row_work& work, const upright_row& row) {
   const upright_rows fine_rows(work, row.fine), coarse_rows(work, other);
   const int32_t *fine_columns = prepared_columns(work, row.fine, numbers_of_columns, width), *coarse_columns = prepared_columns(work, other, numbers_of_columns, width);
   const v fraction = set(row.fraction);
-  rgba8* span = work.pixels + int64_t(work.sy * span_side) * work.stride + work.sx * span_side;
+  rgba8* span = work.pixels + work.sx * span_side;
   for (int k = 0; k < work.count * parts; ++k, fine_columns += numbers_of_columns, coarse_columns += numbers_of_columns, span += width) {
     const span_mask mask = work.masks[k / parts] >> (k % parts * width);
     if (work.masks[k / parts] == 0) continue;

@@ -17,7 +17,7 @@ SPANTEX_INLINE two_places places_at(const int32_t* places) {
 
 // Pixels x and x + 1, x even, of row y have their places in `from` at places[index(x, y)] and the next.
 SPANTEX_INLINE void move_texels(const row_work& work, int32_t sx, const rgba8* from, const int32_t* places, auto&& index) {
-  rgba8* row = work.pixels + int64_t(work.sy) * span_side * work.stride + sx * span_side;
+  rgba8* row = work.pixels + sx * span_side;
 #pragma GCC unroll 8
   for (int y = 0; y < span_side; ++y, row += work.stride)
 #pragma GCC unroll 4

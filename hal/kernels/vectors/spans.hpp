@@ -221,7 +221,7 @@ SPANTEX_INLINE void write_rows(rgba8* to, int64_t stride, uint32_t mask, v pixel
 
 // pixels_at(k) delivers the `width` pixels that lie in memory from the k-th on.
 SPANTEX_INLINE void write_span(const row_work& work, int32_t sx, span_mask mask, auto&& pixels_at) {
-  rgba8* row = work.pixels + int64_t(work.sy) * span_side * work.stride + sx * span_side;
+  rgba8* row = work.pixels + sx * span_side;
   if (mask == ~span_mask(0)) [[likely]] {
 #pragma GCC unroll 2
     for (int y = 0; y < span_side; y += rows_at_once, row += rows_at_once * work.stride)

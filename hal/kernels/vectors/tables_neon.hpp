@@ -278,7 +278,7 @@ template <filter Kind, int Channels>
     on = positions_on(p, fine, level);
   };
   const ptrdiff_t stride = work.stride;
-  rgba8* row = work.pixels + work.sy * span_side * stride + sx * span_side;
+  rgba8* row = work.pixels + sx * span_side;
   for (int y = 0; y < span_side; y += quad_side, row += quad_side * stride) {
 #pragma GCC unroll 2
     for (int part = 0; part < parts; ++part, mask >>= quad_side) {

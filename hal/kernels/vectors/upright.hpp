@@ -16,7 +16,7 @@ SPANTEX_INLINE const int32_t* prepared_columns(const row_work& work, const uprig
 
 // A row of pixels: pixels_at(column) has `width` of them.
 SPANTEX_INLINE void write_row(const row_work& work, int j, auto&& pixels_at) {
-  rgba8* const row = work.pixels + int64_t(work.sy * span_side + j) * work.stride + work.sx * span_side;
+  rgba8* const row = work.pixels + int64_t(j) * work.stride + work.sx * span_side;
   for (int k = 0; k < work.count; ++k) {
     const uint32_t of_row = uint32_t(work.masks[k] >> (j * span_side)) & 0xFF;
     if (of_row == 0) continue;
