@@ -64,15 +64,17 @@ plane scaled_plane_of(int k) {
 
 struct tally { uint64_t pictures = 0, different = 0, spans = 0, left = 0; };
 
+// Every write-out in turn, every other of the pictures in a colour, over what lies there.
 void compare(kernels::choice which, const plane& p, const texture_view& view, filter kind, rectangle area, tally& sum) {
-  std::vector<rgba8> expected(size_t(width * height)), found(expected);
+  std::vector<rgba8> expected(size_t(width * height), rgba8{9, 70, 200, 130}), found(expected);
+  const shading how{alpha_mode(sum.pictures / 2 % 4), 100, sum.pictures % 2 == 0 ? white : rgba8{250, 128, 3, 240}, nullptr};
   const frame_buffer frame{expected.data(), width, height, width}, other{found.data(), width, height, width};
   static direct_engine<prof> engine;
-  renderer<direct_engine<prof>, prof> scalar(engine, prof{}, frame), rest(engine, prof{}, other);
-  if (scalar.draw(p, view, kind, area) != status::ok || scalar.finish() != status::ok) std::abort();
+  renderer<direct_engine<prof>, prof, shading> scalar(engine, prof{}, frame), rest(engine, prof{}, other);
+  if (scalar.draw(p, view, kind, area, how) != status::ok || scalar.finish() != status::ok) std::abort();
   draw_counters counts;
   const kernels::planar_map texels(view, kernels::layout_of(which));
-  if (kernels::draw_plane(kernels::kernel_of(which), texels, rest, p, view, kind, area, other, counts) != status::ok || rest.finish() != status::ok) std::abort();
+  if (kernels::draw_plane(kernels::kernel_of(which), texels, rest, p, view, kind, area, other, counts, how) != status::ok || rest.finish() != status::ok) std::abort();
   const uint64_t spans = (width / span_side) * (height / span_side);  // either area meets all of them
   ++sum.pictures;
   sum.different += !(expected == found);

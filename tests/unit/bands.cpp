@@ -88,10 +88,14 @@ void draw_again(const scene& s, draw_options o) {
 SPANTEX_CASE(drawn_again_is_the_same) {
   for (const alpha_mode alpha : {alpha_mode::opaque, alpha_mode::blended}) {
     draw_options o;
-    o.kernel = kernels::choice::scalar;
     o.how.alpha = alpha;
     o.how.colour = {255, 255, 255, 128};
+    o.kernel = kernels::choice::scalar;
     draw_again(cubes(), o);
+    const image by_engine = draw(cubes(), o).picture;
+    o.kernel = kernels::choice::fastest;
+    draw_again(cubes(), o);
+    assert_true(draw(cubes(), o).picture.pixels == by_engine.pixels);
   }
 }
 
