@@ -35,17 +35,16 @@ struct prepared {
 
 }  // namespace
 
-bool kernel_draws(const scene& s, const draw_options& o) {
-  const auto is_coded = [](const texture_map& map) { return map.view_on_demand().colours() == colour_space::coded; };
+bool kernel_draws(const draw_options& o) {
   return kernels::kernel_of(o.kernel) != nullptr && profile_of(o.profile, o.changes) == profile_of(profile_choice::standard, {.max_samples = o.changes.max_samples}) &&
-         o.engine == engine_choice::direct && o.space == sampling_space::screen && kernels::draws(o.kind) && !o.single_half && o.port == nullptr && o.skips == usual_skips && (o.kind == filter::nearest || std::all_of(s.maps->begin(), s.maps->end(), is_coded));
+         o.engine == engine_choice::direct && o.space == sampling_space::screen && kernels::draws(o.kind) && !o.single_half && o.port == nullptr && o.skips == usual_skips;
 }
 
 namespace {
 
 prepared prepare(const scene& s, const draw_options& o) {
   prepared p;
-  if (!kernel_draws(s, o)) return p;
+  if (!kernel_draws(o)) return p;
   p.kernel = kernels::kernel_of(o.kernel);
   p.maps.resize(s.maps->size());
   for (const drawable& item : s.items) {
@@ -59,7 +58,7 @@ int span_rows(const scene& s) { return (s.size.height_px + span_side - 1) / span
 
 // Planes that kernels plan as a whole, bands that are high enough. Their rows cost alike.
 bool planned_as_a_whole(const scene& s, const draw_options& o) {
-  return kernel_draws(s, o) && std::all_of(s.items.begin(), s.items.end(), [&](const drawable& item) { return !item.is_polygon && kernels::upright_plane::plans(item.shape.map, o.kind); });
+  return kernel_draws(o) && std::all_of(s.items.begin(), s.items.end(), [&](const drawable& item) { return !item.is_polygon && kernels::upright_plane::plans(item.shape.map, o.kind); });
 }
 
 // Bands of the picture; each thread's first one, and the end.

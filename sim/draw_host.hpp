@@ -116,9 +116,9 @@ struct draw_options {
   progress_callback parts_done;
 };
 
-// Whether the kernel draws the scene's planes and polygons in that way: the numbers of profile default but for max_samples, engine direct, screen space,
-// no skip off, maps whose colours are coded (filter nearest: any).
-bool kernel_draws(const scene& s, const draw_options& o);
+// Whether the kernel draws a scene's planes and polygons in that way: the numbers of profile default but for max_samples, engine direct, screen space,
+// no skip off.
+bool kernel_draws(const draw_options& o);
 
 struct draw_result {
   image picture;

@@ -2,7 +2,7 @@
 """Gates of the host kernels, as gate_list.py has others: name, file, what stands there, what it is broken into, suite, case, further sources the suite links."""
 import pathlib
 
-KERNELS = [f"hal/kernels/{name}.cpp" for name in ("avx2", "avx512", "avx512_gathers", "avx512_loads", "byte_planes", "kernel", "neon", "planar_map", "row_levels", "shortcuts", "sse41", "upright", "words", "write_out")]
+KERNELS = [f"hal/kernels/{name}.cpp" for name in ("avx2", "avx2_linear_light", "avx512", "avx512_gathers", "avx512_loads", "byte_planes", "kernel", "neon", "neon_linear_light", "planar_map", "row_levels", "shortcuts", "sse41", "sse41_linear_light", "upright", "words", "words_linear_light", "write_out")]
 
 KERNEL_GATES = [
     ("a vector kernel's halves always up", "hal/kernels/vectors/pixels.hpp", "add16(rest, x & number<0x00800080>())", "add16(rest, number<0x00800080>())", "kernels", "random_planes*", KERNELS),
@@ -19,7 +19,7 @@ KERNEL_GATES = [
     ("vector kernels: single texels of positions that are not rounded", "hal/kernels/vectors/spans.hpp", "half = 1 << (fraction_ - q.coordinate_bits - 1);", "half = 0;", "kernels", "random_planes*", KERNELS),
     ("vector kernels: spans on two whole levels taken for those on one", "hal/kernels/vectors/spans.hpp", "return {all_equal(differs >> q.level_bits, 0), ", "return {true, ", "kernels", "random_planes*", KERNELS),
     ("vector kernels: spans between levels taken for those on one", "hal/kernels/vectors/spans.hpp", "TwoLevels && !all_equal(any & number<255>(), 0)", "false", "kernels", "random_planes*", KERNELS),
-    ("vector kernels: rows of several samples taken for those of one", "hal/kernels/vectors/aniso.hpp", "  if (!several) {\n", "  if (!several || true) {\n", "kernels", "random_planes*", KERNELS),
+    ("vector kernels: rows of several samples taken for those of one", "hal/kernels/vectors/aniso.hpp", "  if (!several && !rounds_samples) {\n", "  if (!rounds_samples) {\n", "kernels", "random_planes*", KERNELS),
     ("NEON's bit lengths of upper halves alone", "hal/kernels/vectors/neon.hpp", "vsraq_n_u64(of_lower, uint64x2_t(zeros), 32)", "vsraq_n_u64(of_lower & 0, uint64x2_t(zeros), 32)", "scripts", "kernel_identity", []),
     ("NEON's positions in tables cut off instead of rounded", "hal/kernels/vectors/tables_neon.hpp", "const uint32_t half = 1u << (up - 1);", "const uint32_t half = 0;", "scripts", "kernel_identity", []),
     ("NEON's single texels 2^-11 of a texel off", "hal/kernels/vectors/nearest_neon.hpp", "+ (1 << (16 - q.coordinate_bits - 1)));", "- (7 << (16 - q.coordinate_bits)));", "scripts", "kernel_identity", []),
@@ -44,6 +44,16 @@ KERNEL_GATES = [
     ("vector kernels: sixteen samples whatever is asked for", "hal/kernels/vectors/aniso.hpp", "set(work.most_ratio)), set(0))", "set(4 << 16)), set(0))", "kernels", "rows_of_fewer*", KERNELS),
     ("a vector kernel's rows as long as they like", "hal/kernels/vectors/aniso.hpp", "limit - reach_of(c)", "8192", "kernels", "rows_beyond*", KERNELS),
     ("a vector kernel's texels before the division", "hal/kernels/vectors/common.hpp", "extent + (extent >> (-1 - c.slope_log2)) + 1", "extent", "kernels", "texels_after*", KERNELS),
+    ("kernels in linear light: halves always up", "hal/kernels/vectors/linear_light.hpp", "((1 << (bits - 1)) - 1) + ((x >> bits) & 1)", "(1 << (bits - 1))", "kernels_linear_light", "dark_maps", KERNELS),
+    ("kernels in linear light: alpha taken for light", "hal/kernels/vectors/linear_light.hpp", "return (codes & ~alpha) | (words & alpha);", "return codes;", "kernels_linear_light", "black*", KERNELS),
+    ("kernels in linear light: a level's colour cut off", "hal/kernels/vectors/linear_light.hpp", "(x + (1 << (blend_fraction - q.blend_bits - 1)))", "x", "kernels_linear_light", "dark_maps", KERNELS),
+    ("kernels in linear light: samples cut off", "hal/kernels/vectors/linear_light.hpp", "v_32(rounded_to_even(between_levels<K>(fine, coarse, fraction), between_bits - max_linear_sum_bits)", "v_32((between_levels<K>(fine, coarse, fraction) >> (between_bits - max_linear_sum_bits))", "kernels_linear_light", "dark_maps", KERNELS),
+    ("kernels in linear light: a row of one sample taken for the sample", "hal/kernels/vectors/linear_light.hpp", "constexpr bool rounds_samples = true;", "constexpr bool rounds_samples = false;", "kernels_linear_light", "dark_maps", KERNELS),
+    ("kernels in linear light: samples not counted", "hal/kernels/vectors/linear_light.hpp", "between_bits - max_linear_sum_bits) & lane_of_each<K>(counted));", "between_bits - max_linear_sum_bits));", "kernels_linear_light", "rows_of*", KERNELS),
+    ("kernels in linear light: means half up", "hal/kernels/vectors/linear_light.hpp", "(rest << 1) + (v_32(whole) & 1)) > v(", "(rest << 1) + 1) > v(", "kernels_linear_light", "dark_maps", KERNELS),
+    ("kernels in linear light: means cut off", "hal/kernels/vectors/linear_light.hpp", "return whole - v(v((rest << 1) + (v_32(whole) & 1)) > v(n << max_linear_sum_bits));", "return whole;", "kernels_linear_light", "dark_maps", KERNELS),
+    ("kernels in linear light: the table's codes begin one late", "hal/kernels/linear_light.hpp", "2 * x < srgb_decoded", "2 * x <= srgb_decoded", "kernels_linear_light", "every_number*", KERNELS),
+    ("kernels: sRGB maps filtered as coded", "hal/kernels/kernel.hpp", "return texels.levels_in_rows().linear_light() && kind != filter::nearest;", "return false;", "kernels_linear_light", "ordinary*", KERNELS),
     ("kernels' write-out: the frame's alpha mixed as a colour", "hal/kernels/write_out.cpp", "(s | full) * a", "s * a", "write_out", "planes_are_written*", KERNELS),
     ("kernels' write-out: premultiplied sums beyond 255", "hal/kernels/write_out.cpp", "return sum < most ? sum : most;", "return sum;", "write_out", "planes_are_written*", KERNELS),
     ("kernels' write-out: cut out at the threshold", "hal/kernels/write_out.cpp", ">= threshold;", "> threshold;", "write_out", "planes_are_written*", KERNELS),

@@ -38,7 +38,12 @@ uint64_t span_count(rectangle r) { return uint64_t((r.x1 - 1) / span_side - r.x0
 struct ready_map {
   texture_view view;
   kernels::planar_map blocks, rows;  // rows: with planes for whom they are for
-  ready_map(const synthetic_map& map, wrap w) : view(map.view(w, w)), blocks(view, kernels::layout::rows_and_blocks), rows(view, kernels::layout::rows_and_planes) {}
+  ready_map(const synthetic_map& map, wrap w, colour_space colours = colour_space::coded) : view(view_of(map, w, colours)), blocks(view, kernels::layout::rows_and_blocks), rows(view, kernels::layout::rows_and_planes) {}
+  static texture_view view_of(const synthetic_map& map, wrap w, colour_space colours) {
+    texture_view t = map.view(w, w);
+    t.set_colours(colours);
+    return t;
+  }
   const kernels::planar_map& of(kernels::choice c) const { return kernels::layout_of(c) == kernels::layout::rows_and_blocks ? blocks : rows; }
 };
 

@@ -2,6 +2,7 @@
 // The vector kernel with AVX2: eight 32-bit lanes.
 #include "kernel.hpp"
 #include "level_rows.hpp"
+#include "linear_light.hpp"
 #include "numbers.hpp"
 #include "upright.hpp"
 
@@ -36,10 +37,13 @@ constexpr int width = 8;
 #include "vectors/even_odd.hpp"
 #include "vectors/log2.hpp"
 #include "vectors/levels.hpp"
-#include "vectors/pixels.hpp"
 #include "vectors/plan_lanes.hpp"
 #include "vectors/positions.hpp"
 #include "vectors/move_texels.hpp"
+#if SPANTEX_LINEAR
+#include "vectors/linear_rows.hpp"
+#else
+#include "vectors/pixels.hpp"
 #include "vectors/spans.hpp"
 #include "vectors/affine_numbers.hpp"
 #include "vectors/affine.hpp"
@@ -48,6 +52,9 @@ constexpr int width = 8;
 #include "vectors/upright.hpp"
 #include "vectors/blend_rows.hpp"
 #include "vectors/kernel.hpp"
+
+void draw_any_row(const row_work& work) { draw_by_filter(rows, avx2_linear_light, work); }
+#endif
 
 }  // namespace
 }  // namespace spantex::kernels
@@ -60,6 +67,9 @@ constexpr int width = 8;
 
 namespace spantex::kernels {
 
+#if SPANTEX_LINEAR
+constinit const row_kernels avx2_linear_light = linear_light::rows;
+#else
 namespace {
 
 bool has_lzcnt() {  // not every compiler has a name for it
@@ -73,10 +83,11 @@ row_kernel avx2_kernel() {
   const bool has = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2") && has_lzcnt();
   return has ? draw_any_row : nullptr;
 }
+#endif
 
 }  // namespace spantex::kernels
 
-#else
+#elif !SPANTEX_LINEAR
 namespace spantex::kernels {
 row_kernel avx2_kernel() { return nullptr; }
 }  // namespace spantex::kernels

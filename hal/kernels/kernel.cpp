@@ -3,7 +3,8 @@
 
 namespace spantex::kernels {
 
-void draw_by_filter(const row_kernels& kernels, const row_work& work) {
+void draw_by_filter(const row_kernels& coded, const row_kernels& linear_light, const row_work& work) {
+  const row_kernels& kernels = in_linear_light(*work.texels, work.kind) ? linear_light : coded;
   row_kernel draw = nullptr;
   switch (work.kind) {
     case filter::nearest: draw = kernels.nearest; break;

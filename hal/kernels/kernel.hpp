@@ -68,9 +68,12 @@ inline constexpr int32_t longest_row = 2048;  // texels of level 0 along a row o
 // No position saturates: offsets are below 2^max_extent_log2 texels before they are divided by w > 1/2, samples within half a row of them.
 constexpr int32_t largest_base(filter kind) { return 32767 - (2 << max_extent_log2) - 2 - (kind == filter::aniso ? longest_row / 2 : 0); }
 
-// One machine's kernels by filter; every span of any other filter is left.
+// Whether texels are decoded before they are filtered: sRGB maps' that are blended.
+inline bool in_linear_light(const planar_map& texels, filter kind) { return texels.levels_in_rows().linear_light() && kind != filter::nearest; }
+
+// One machine's kernels by filter; every span of any other filter is left. Of colours as coded, and in linear light.
 struct row_kernels { row_kernel nearest, bilinear, mip_bilinear, trilinear, aniso; };
-void draw_by_filter(const row_kernels& kernels, const row_work& work);
+void draw_by_filter(const row_kernels& coded, const row_kernels& linear_light, const row_work& work);
 
 // Null where this machine has not what it takes.
 row_kernel avx512_loads_kernel();    // AVX-512 F, BW, CD, DQ, VL, VBMI, VBMI2, VNNI; what local memory does not hold is loaded texel by texel

@@ -2,6 +2,7 @@
 // The vector kernel with NEON, on arm64: four 32-bit lanes.
 #include "kernel.hpp"
 #include "level_rows.hpp"
+#include "linear_light.hpp"
 #include "numbers.hpp"
 #include "upright.hpp"
 
@@ -16,7 +17,11 @@
 namespace spantex::kernels {
 namespace {
 
+#if SPANTEX_LINEAR
+#define SPANTEX_TABLES 0
+#else
 #define SPANTEX_TABLES 1
+#endif
 constexpr int width = 4;
 #include "vectors/common.hpp"
 #include "vectors/lanes.hpp"
@@ -26,10 +31,13 @@ constexpr int width = 4;
 #include "vectors/log2.hpp"
 #include "vectors/log2_neon.hpp"
 #include "vectors/levels.hpp"
-#include "vectors/pixels.hpp"
 #include "vectors/plan_lanes.hpp"
 #include "vectors/positions.hpp"
 #include "vectors/move_texels.hpp"
+#if SPANTEX_LINEAR
+#include "vectors/linear_rows.hpp"
+#else
+#include "vectors/pixels.hpp"
 #include "vectors/spans.hpp"
 #include "vectors/nearest_neon.hpp"
 #include "vectors/affine_numbers.hpp"
@@ -41,13 +49,20 @@ constexpr int width = 4;
 #include "vectors/blend_pixels.hpp"
 #include "vectors/kernel.hpp"
 
+void draw_any_row(const row_work& work) { draw_by_filter(rows, neon_linear_light, work); }
+#endif
+
 }  // namespace
 
+#if SPANTEX_LINEAR
+constinit const row_kernels neon_linear_light = linear_light::rows;
+#else
 row_kernel neon_kernel() { return draw_any_row; }
+#endif
 
 }  // namespace spantex::kernels
 
-#else
+#elif !SPANTEX_LINEAR
 namespace spantex::kernels {
 row_kernel neon_kernel() { return nullptr; }
 }  // namespace spantex::kernels

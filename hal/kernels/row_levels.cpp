@@ -38,6 +38,13 @@ row_levels::row_levels(const texture_view& view, int32_t apron) : apron_(apron) 
     add_axis(view.wrap_v(), view.height(k), k, 16);
     add_texels(view, k);
   }
+  if (view.colours() == colour_space::coded) return;
+  const auto linear = [](rgba8 t) {
+    const auto centred = [](uint32_t x) { return int16_t(int32_t(x) - linear_texel::offset); };
+    return linear_texel{centred(srgb_decoded(t.r)), centred(srgb_decoded(t.g)), centred(srgb_decoded(t.b)), centred(t.a)};
+  };
+  linear_texels_.reserve(texels_.size());
+  for (const rgba8 t : texels_) linear_texels_.push_back(linear(t));
 }
 
 void row_levels::add_axis(wrap mode, int32_t side, int level, int shift) {

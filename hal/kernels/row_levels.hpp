@@ -13,6 +13,12 @@ namespace spantex::kernels {
 
 inline constexpr int32_t row_apron = 3;  // texels on every side of a level at least
 
+// A texel of an sRGB map: r, g, b decoded to u0.16 of linear light, a as it is; all less 2^15.
+struct linear_texel {
+  static constexpr int32_t offset = 1 << 15;
+  int16_t r, g, b, a;
+};
+
 // A texel's place (x, y) is two 16-bit numbers in 32 bits, x in the lower half. To wrap it on a level, half by half:
 //   min(k, k + 4 period), min(k, k - 2 period) and min(k, k - period), unsigned; & mask; max(k, low), min(k, high), signed
 // for k from -4 to 4 periods, which is what near_limit() lets through; far_limit() what 2^far_doublings times as many do, from min(k, k + 2^n 4 period) on.
@@ -24,6 +30,8 @@ class row_levels {
   row_levels() = default;
   explicit row_levels(const texture_view& view, int32_t apron = row_apron);
   const rgba8* texels() const { return texels_.data(); }
+  const linear_texel* linear_texels() const { return linear_texels_.data(); }  // where texels() has them
+  bool linear_light() const { return !linear_texels_.empty(); }                // of an sRGB map
   int32_t value(field f, int level) const { return fields_[f][level]; }
   const int32_t (&values(field f) const)[most] { return fields_[f]; }
   int32_t stride(int level) const { return fields_[step][level] >> 16; }
@@ -50,6 +58,7 @@ class row_levels {
   void add_texels(const texture_view& view, int level);
   int32_t fields_[field_count][most] = {};
   std::vector<rgba8> texels_;
+  std::vector<linear_texel> linear_texels_;  // empty but of sRGB maps
   int32_t columns_[most] = {}, rows_[most] = {};
   uint32_t ratio_u_[most] = {}, ratio_v_[most] = {};
   int32_t apron_ = 0;

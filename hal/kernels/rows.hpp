@@ -60,7 +60,7 @@ status draw_rows_to(row_kernel kernel, const planar_map& texels, Renderer& scala
       continue;
     }
     work.memory = &memory;
-    work.upright = upright.row(sy);
+    if (!in_linear_light(texels, s.kind)) work.upright = upright.row(sy);
     kernel(work);
     out.write(work, counts);
     for (bool* at = left + row.from; (at = next_left(at, left + row.to)) != nullptr; ++at) {

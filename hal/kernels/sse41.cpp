@@ -2,6 +2,7 @@
 // The vector kernel with SSE4.1: four 32-bit lanes.
 #include "kernel.hpp"
 #include "level_rows.hpp"
+#include "linear_light.hpp"
 #include "numbers.hpp"
 #include "upright.hpp"
 
@@ -35,10 +36,13 @@ constexpr int width = 4;
 #include "vectors/even_odd.hpp"
 #include "vectors/log2.hpp"
 #include "vectors/levels.hpp"
-#include "vectors/pixels.hpp"
 #include "vectors/plan.hpp"
 #include "vectors/positions.hpp"
 #include "vectors/move_texels.hpp"
+#if SPANTEX_LINEAR
+#include "vectors/linear_rows.hpp"
+#else
+#include "vectors/pixels.hpp"
 #include "vectors/spans.hpp"
 #include "vectors/affine_numbers.hpp"
 #include "vectors/affine.hpp"
@@ -47,6 +51,9 @@ constexpr int width = 4;
 #include "vectors/upright.hpp"
 #include "vectors/blend_rows.hpp"
 #include "vectors/kernel.hpp"
+
+void draw_any_row(const row_work& work) { draw_by_filter(rows, sse41_linear_light, work); }
+#endif
 
 }  // namespace
 }  // namespace spantex::kernels
@@ -59,13 +66,17 @@ constexpr int width = 4;
 
 namespace spantex::kernels {
 
+#if SPANTEX_LINEAR
+constinit const row_kernels sse41_linear_light = linear_light::rows;
+#else
 row_kernel sse41_kernel() {
   return __builtin_cpu_supports("sse4.1") ? draw_any_row : nullptr;
 }
+#endif
 
 }  // namespace spantex::kernels
 
-#else
+#elif !SPANTEX_LINEAR
 namespace spantex::kernels {
 row_kernel sse41_kernel() { return nullptr; }
 }  // namespace spantex::kernels

@@ -2,6 +2,7 @@
 // The vector kernel for any machine: positions in whatever lanes the compiler makes of four 32-bit numbers, texels in 64-bit words.
 #include "kernel.hpp"
 #include "level_rows.hpp"
+#include "linear_light.hpp"
 #include "numbers.hpp"
 #include "upright.hpp"
 
@@ -25,6 +26,9 @@ constexpr int width = 4;
 #include "vectors/plan.hpp"
 #include "vectors/positions.hpp"
 #include "vectors/move_texels.hpp"
+#if SPANTEX_LINEAR
+#include "vectors/linear_rows.hpp"
+#else
 #include "vectors/spans.hpp"
 #include "vectors/affine_numbers.hpp"
 #include "vectors/affine.hpp"
@@ -34,8 +38,15 @@ constexpr int width = 4;
 #include "vectors/blend_pixels.hpp"
 #include "vectors/kernel.hpp"
 
+void draw_any_row(const row_work& work) { draw_by_filter(rows, words_linear_light, work); }
+#endif
+
 }  // namespace
 
+#if SPANTEX_LINEAR
+constinit const row_kernels words_linear_light = linear_light::rows;
+#else
 row_kernel words_kernel() { return draw_any_row; }
+#endif
 
 }  // namespace spantex::kernels

@@ -38,6 +38,8 @@ constexpr int width = 16;
 #include "../vectors/aniso.hpp"
 #include "../vectors/kernel.hpp"
 
+void draw_any_row(const row_work& work) { draw_by_filter(rows, {}, work); }
+
 constexpr row_reader reader{draw_any_row, draw_planned<filter::aniso>};
 
 }  // namespace

@@ -117,44 +117,69 @@ SPANTEX_INLINE v along(v length, v m) {
   return (small_products(length >> 15, m) + ((small_products(length & 0x7FFF, m) + 0x8000) >> 15)) >> 1;
 }
 
-// Means over the rows of `width` pixels from the k-th on, of `fewest` to `most` samples. Samples 2 m and 2 m + 1 of a loop are the m-th from either end of a row;
-// positions have 14 bits of fraction, which takes nothing from what an integer number of them is snapped to, and two more for ratios.
-template <bool MasksOnly, class Shift>
-SPANTEX_INLINE v means_of_rows(const row_levels& map, const on_level<Shift>& fine, const on_level<Shift>& coarse, v fraction, const span_positions& p, const span_rows& rows, int k, int fewest, int most) {
+// Where the samples of `width` pixels from the k-th on lie on a level, and on the next where `two`; placed(level, at, s) after each. Samples 2 m and 2 m + 1 of a loop are the m-th from
+// either end of a row; positions have 14 bits of fraction, which takes nothing from what an integer number of them is snapped to, and two more for ratios.
+template <bool MasksOnly, int Placed, class Shift>
+SPANTEX_INLINE void place_samples(const on_level<Shift>& fine, const on_level<Shift>& coarse, bool two, const span_positions& p, const span_rows& rows, int k, int most,
+                                  lanes_places (&near)[Placed], lanes_places (&far)[Placed], auto&& placed) {
   static_assert(rest_bits == 2);
   const v samples = get(rows.samples + k), pitch = look_up(of_samples.half_pitch, samples), centre_u = get(p.u + k), centre_v = get(p.v + k);
   const v minus_u = get(rows.n_u + k) >> 31, minus_v = get(rows.n_v + k) >> 31, length_u = get(rows.u + k), length_v = get(rows.v + k);
-  const bool two = !all_equal(fraction, 0);
-  constexpr int placed = places_first ? q.max_samples : 1;
-  lanes_places near[placed];
-  colour_sums near_sums;
-  lanes_places far[placed];
-  colour_sums far_sums;
-  const auto add = [&](const on_level<Shift>& level, const lanes_places* at, colour_sums& sums, int s) SPANTEX_INLINED {
-    add_colours(sums, blended(map, at[s % placed], level.down), v(samples > s), s < fewest);
-  };
-  const auto add_two = [&](const on_level<Shift>& level, const lanes_places* at, colour_sums& sums, int s) SPANTEX_INLINED {
-    add_colours(sums, blended(map, at[s], level.down), v(samples > s), blended(map, at[s + 1], level.down), v(samples > s + 1), s + 1 < fewest);
-  };
   // Positions with all the bits that samples have, from where the pixel lies on the level: where periods are powers of two, nothing is lost with what that leaves out above.
   // NEON has too few registers for it.
   struct from_centre { v u, v_; };
   const auto base = [&](const on_level<Shift>& level) SPANTEX_INLINED { return from_centre{(level.add_u + centre_u) << rest_bits, (level.add_v + centre_v) << rest_bits}; };
   const from_centre fine_base = base(fine), coarse_base = base(coarse);
-  const auto take = [&](const on_level<Shift>& level, const from_centre& from, lanes_places* at, colour_sums& sums, v u, v w, int s) SPANTEX_INLINED {
-    if constexpr (MasksOnly && places_first) put_places<true>(level, down_by(u + from.u, level.cut + rest_bits), down_by(w + from.v_, level.cut + rest_bits), at[s % placed]);
-    else place_lanes<MasksOnly>(level, centre_u + (u >> rest_bits), centre_v + (w >> rest_bits), p, at[s % placed], u & 3, w & 3);
-    if (!places_first) add(level, at, sums, s);
+  const auto take = [&](const on_level<Shift>& level, const from_centre& from, lanes_places (&at)[Placed], v u, v w, int s) SPANTEX_INLINED {
+    if constexpr (MasksOnly && places_first) put_places<true>(level, down_by(u + from.u, level.cut + rest_bits), down_by(w + from.v_, level.cut + rest_bits), at[s % Placed]);
+    else place_lanes<MasksOnly>(level, centre_u + (u >> rest_bits), centre_v + (w >> rest_bits), p, at[s % Placed], u & 3, w & 3);
+    placed(level, at, s);
   };
   const auto take_both = [&](v u, v w, int s) SPANTEX_INLINED {
-    take(fine, fine_base, near, near_sums, u, w, s);
-    if (two) take(coarse, coarse_base, far, far_sums, u, w, s);
+    take(fine, fine_base, near, u, w, s);
+    if (two) take(coarse, coarse_base, far, u, w, s);
   };
   for (int s = 0; s < most; s += 2) {
     const v m = small_products(largest(samples - 1 - s, set(0)), pitch), u = (along(length_u, m) ^ minus_u) - minus_u, w = (along(length_v, m) ^ minus_v) - minus_v;
     take_both(-u, -w, s);
     if (s + 1 < most) take_both(u, w, s + 1);
   }
+}
+
+// Means over the rows of `width` pixels from the k-th on, of `fewest` to `most` samples.
+#if SPANTEX_LINEAR
+template <bool MasksOnly, class Shift>
+SPANTEX_INLINE v means_of_rows(const row_levels& map, const on_level<Shift>& fine, const on_level<Shift>& coarse, v fraction, const span_positions& p, const span_rows& rows, int k, int, int most) {
+  const v samples = get(rows.samples + k);
+  const bool two = !all_equal(fraction, 0);
+  lanes_places near[q.max_samples], far[q.max_samples];
+  place_samples<MasksOnly>(fine, coarse, two, p, rows, k, most, near, far, [](auto&&...) {});
+  colour_sums sums;
+  for (int s = 0; s < most; ++s) {
+    const blends one = blended(map, near[s], fine.down);
+    const v counted = v(samples > s);
+    if (two) add_sample(sums, one, blended(map, far[s], coarse.down), fraction, counted);
+    else add_sample(sums, one, counted);
+  }
+  return means_of(sums, samples);
+}
+#else
+template <bool MasksOnly, class Shift>
+SPANTEX_INLINE v means_of_rows(const row_levels& map, const on_level<Shift>& fine, const on_level<Shift>& coarse, v fraction, const span_positions& p, const span_rows& rows, int k, int fewest, int most) {
+  const v samples = get(rows.samples + k);
+  const bool two = !all_equal(fraction, 0);
+  constexpr int placed = places_first ? q.max_samples : 1;
+  lanes_places near[placed], far[placed];
+  colour_sums near_sums, far_sums;
+  const auto add = [&](const on_level<Shift>& level, const lanes_places* at, colour_sums& sums, int s) SPANTEX_INLINED {
+    add_colours(sums, blended(map, at[s % placed], level.down), v(samples > s), s < fewest);
+  };
+  const auto add_two = [&](const on_level<Shift>& level, const lanes_places* at, colour_sums& sums, int s) SPANTEX_INLINED {
+    add_colours(sums, blended(map, at[s], level.down), v(samples > s), blended(map, at[s + 1], level.down), v(samples > s + 1), s + 1 < fewest);
+  };
+  place_samples<MasksOnly>(fine, coarse, two, p, rows, k, most, near, far, [&](const on_level<Shift>& level, const lanes_places* at, int s) SPANTEX_INLINED {
+    if (!places_first) add(level, at, at == near ? near_sums : far_sums, s);
+  });
   if constexpr (places_first) {
     const auto add_all = [&](const on_level<Shift>& level, const lanes_places* at, colour_sums& sums) SPANTEX_INLINED {
       int s = 0;
@@ -167,6 +192,7 @@ SPANTEX_INLINE v means_of_rows(const row_levels& map, const on_level<Shift>& fin
   const v inverse = look_up(of_samples.inverse, samples);
   return two ? means_between<true>(near_sums, far_sums, fraction, samples, inverse) : means_between<false>(near_sums, near_sums, fraction, samples, inverse);
 }
+#endif
 
 template <bool MasksOnly>
 [[gnu::noinline]] v means_by_lane(const row_levels& map, int32_t last, const span_positions& p, const span_rows& rows, int k, int fewest, int most) {
@@ -209,11 +235,11 @@ template <bool MasksOnly>
   const int coarsest = MasksOnly ? 0 : pixels.coarsest();
   if (!MasksOnly && !in_reach(map, coarsest, reach_of(c), p)) return false;
   const auto rows_within = [&](int32_t limit) SPANTEX_INLINED { return find_rows(c, 2 * max_of(0, min_of(longest_row / 2, limit - reach_of(c))), rows); };
-  if (several && (p.far || !rows_within(map.near_limit(coarsest)))) {
+  if ((several || rounds_samples) && (p.far || !rows_within(map.near_limit(coarsest)))) {
     p.far = true;
     if (MasksOnly || !rows_within(map.far_limit(coarsest))) return false;
   }
-  if (!several) {
+  if (!several && !rounds_samples) {
 #if SPANTEX_TABLES
     if constexpr (MasksOnly) quads_on_levels<filter::trilinear>(work, sx, mask, p, c);
     else
@@ -223,7 +249,7 @@ template <bool MasksOnly>
   }
   write_span(work, sx, mask, [&](int k) SPANTEX_INLINED {
     const auto [fewest, most] = numbers_of(rows.samples + k);
-    if (most == 1) {
+    if (most == 1 && !rounds_samples) {
       pixels.place(k / width);
       return pixels.at(k / width);
     }

@@ -61,10 +61,12 @@ void draw_row(const row_work& work) {
 
 template <filter Kind>
 void draw_row(const row_work& work) {
+#if !SPANTEX_LINEAR
   if constexpr (!uses_footprint(Kind) && rows_at_once == 1)  // AVX-512 has its own
     if (work.upright != nullptr) return draw_upright<Kind>(work);
+#endif
   if (work.texels->levels_in_rows().masks_only()) {
-#if !SPANTEX_AVX512
+#if !SPANTEX_AVX512 && !SPANTEX_LINEAR
     if constexpr (Kind == filter::nearest)
       if (draw_affine_row(work)) return;
 #endif
@@ -80,6 +82,8 @@ template <filter Kind>
   return masks_only ? draw_span<Kind, true>(work, work.sx + k, work.masks[k], c) : draw_span<Kind, false>(work, work.sx + k, work.masks[k], c);
 }
 
-void draw_any_row(const row_work& work) {
-  draw_by_filter({draw_row<filter::nearest>, draw_row<filter::bilinear>, draw_row<filter::mip_bilinear>, draw_row<filter::trilinear>, draw_row<filter::aniso>}, work);
-}
+#if SPANTEX_LINEAR
+constexpr row_kernels rows{nullptr, draw_row<filter::bilinear>, draw_row<filter::mip_bilinear>, draw_row<filter::trilinear>, draw_row<filter::aniso>};
+#else
+constexpr row_kernels rows{draw_row<filter::nearest>, draw_row<filter::bilinear>, draw_row<filter::mip_bilinear>, draw_row<filter::trilinear>, draw_row<filter::aniso>};
+#endif

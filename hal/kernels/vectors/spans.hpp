@@ -152,12 +152,12 @@ SPANTEX_INLINE void place_lanes(const on_level<Shift>& l, v position_u, v positi
 // The four texels, interpolated; down: to the texels below.
 SPANTEX_INLINE blends blended(const row_levels& map, const lanes_places& at, int32_t down) {
   const uint32_t* const index = reinterpret_cast<const uint32_t*>(at.top);
-  return blend(map.texels(), index, map.texels() + down, index, get(at.fraction));
+  return blend(texels_of(map), index, texels_of(map) + down, index, get(at.fraction));
 }
 SPANTEX_INLINE blends blended(const row_levels& map, const lanes_places& at, v down) {
   alignas(sizeof(v)) int32_t below[width];
   put(below, get(at.top) + down);
-  return blend(map.texels(), reinterpret_cast<const uint32_t*>(at.top), map.texels(), reinterpret_cast<const uint32_t*>(below), get(at.fraction));
+  return blend(texels_of(map), reinterpret_cast<const uint32_t*>(at.top), texels_of(map), reinterpret_cast<const uint32_t*>(below), get(at.fraction));
 }
 
 template <bool MasksOnly, class Shift>

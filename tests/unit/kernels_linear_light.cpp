@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+// Host kernels in linear light: sRGB maps, the same bytes as the scalar datapath.
+#include <tests/kernel_pictures.hpp>
+
+#include <hal/kernels/linear_light.hpp>
+
+namespace {
+
+constexpr filter blending[] = {filter::bilinear, filter::mip_bilinear, filter::trilinear, filter::aniso};
+
+ready_map srgb_map(const synthetic_map& map, wrap w) { return ready_map(map, w, colour_space::srgb); }
+
+// Codes from `first` to `last`, alpha from 0 to 255.
+const synthetic_map& noise_map(int32_t width, int32_t height, uint32_t first, uint32_t last) {
+  static random_source random(8);
+  return make_map(width, height, [&](int32_t, int32_t) {
+    const auto code = [&] { return uint8_t(random.between(first, last)); };
+    return rgba8{code(), code(), code(), uint8_t(random.next())};
+  });
+}
+
+SPANTEX_CASE(every_number_has_its_code) {
+  for (uint32_t x = 0; x < 65536; ++x) assert_int_equal((kernels::srgb_code_of.step[x >> 4] + (x & 15)) >> 4, srgb_encoded(x));
+}
+
+SPANTEX_CASE(ordinary_planes_are_drawn_by_the_kernel_alone) {
+  for (const wrap w : {wrap::repeat, wrap::mirror}) {
+    const ready_map map = srgb_map(random_map(512, 512), w);
+    for (const filter kind : filters)
+      for (int k = 0; k < 3; ++k) draw_all(sample_plane(k), map, kind, {0, 0, 640, 480}, 640, 480, 4800 / 100);
+  }
+}
+
+// Of dark codes every 20th number is a threshold, which is odd: sums that end half way to it, and samples whose rounding decides it, are there.
+SPANTEX_CASE(dark_maps) {
+  const ready_map map = srgb_map(noise_map(512, 512, 5, 10), wrap::repeat);
+  for (const filter kind : blending)
+    for (int k = 0; k < 3; ++k) draw_all(sample_plane(k), map, kind, {0, 0, 640, 480}, 640, 480);
+}
+
+SPANTEX_CASE(black_and_white) {
+  const ready_map map = srgb_map(make_map(256, 128, [](int32_t x, int32_t y) {
+    const auto one = [&](int32_t k) { return uint8_t(((x * 7 + y * (k + 3)) / (k + 2)) % 2 * 255); };
+    return rgba8{one(0), one(1), one(2), one(3)};
+  }), wrap::clamp);
+  for (const filter kind : blending)
+    for (int k = 0; k < sample_plane_count; ++k) draw_all(sample_plane(k), map, kind, {0, 0, 320, 240}, 320, 240);
+}
+
+SPANTEX_CASE(random_planes_and_maps_of_any_size) {
+  static constexpr int32_t sides[][2] = {{512, 512}, {1, 1}, {2, 64}, {8, 8}, {500, 333}, {37, 5}, {1024, 16}, {3, 128}, {257, 129}};
+  random_source random(11);
+  for (const auto& side : sides)
+    for (const wrap w : wraps) {
+      const ready_map map = srgb_map(random_map(side[0], side[1]), w);
+      for (const filter kind : filters)
+        for (int k = 0; k < (short_run() ? 2 : 6); ++k) {
+          plane p;
+          if (random_plane(random, {0, 0, 203, 101}, p)) draw_all(p, map, kind, {0, 0, 203, 101}, 203, 101);
+        }
+    }
+}
+
+// A row of one sample is rounded twice, unlike a filter's one sample; of many, a sum of them all takes all 32 bits.
+SPANTEX_CASE(rows_of_any_number_of_samples) {
+  random_source random(21);
+  run_time_profile few{profiles::standard};
+  for (const auto& [first, last] : {std::pair{0, 255}, {5, 10}, {255, 255}}) {
+    const ready_map map = srgb_map(noise_map(300, 512, uint32_t(first), uint32_t(last)), wrap::repeat);
+    for (few.value.max_samples = 1; few.value.max_samples <= 16; few.value.max_samples += short_run() && few.value.max_samples > 4 ? 4 : 1)
+      for (int k = 0; k < 6; ++k) {
+        plane p = sample_plane(k % 3);
+        if (k < 3 || random_plane(random, {0, 0, 203, 101}, p)) draw_all_by(few, p, map, filter::aniso, {0, 0, 203, 101}, 203, 101);
+      }
+  }
+}
+
+// Turned, upright, copied texel by texel, and of one colour: ways that colours as coded have of their own.
+SPANTEX_CASE(planes_that_face_the_viewer) {
+  const rectangle all{0, 0, 203, 101};
+  for (const wrap w : wraps)
+    for (const ready_map& map : {srgb_map(random_map(128, 64), w), srgb_map(random_map(100, 75), w), srgb_map(constant_map(24, 40, {9, 200, 77, 130}), w)})
+      for (const filter kind : filters) {
+        for (const plane& p : {upright_plane(0, 0, 1, 1, all), upright_plane(-30, 7, 1, 1, all), upright_plane(0.3, 7, 0.4, 1.7, all), upright_plane(300, 20, 3.3, 5, all)}) draw_all(p, map, kind, all, 203, 101);
+        const double turned[9] = {0.866, -0.5, -100, 0.5, 0.866, 20, 0, 0, 1};
+        plane p{};
+        SPANTEX_ASSERT_OK(make_plane(homography_of(turned), all, p));
+        draw_all(p, map, kind, all, 203, 101);
+      }
+}
+
+SPANTEX_CASE(polygons_with_depth) {
+  const ready_map map = srgb_map(random_map(128, 64), wrap::mirror);
+  for (const filter kind : filters) {
+    by_scalar.reset(scene_width, scene_height);
+    engine_type engine;
+    renderer_type r(engine, prof{}, by_scalar.frame());
+    depths by_engine;
+    const auto each = [](auto draw) { each_triangle([&](const polygon& p, const colour_forms&) { return draw(p); }, 100, {white, white, white}); };
+    each([&](const polygon& p) { return r.draw(p, map.view, kind, by_engine.buffer()); });
+    SPANTEX_ASSERT_OK(r.finish());
+    for (const named_kernel& k : every_kernel) {
+      if (kernels::kernel_of(k.which) == nullptr) continue;
+      by_kernel.reset(scene_width, scene_height);
+      engine_type other;
+      renderer_type rest(other, prof{}, by_kernel.frame());
+      depths own;
+      draw_counters counts;
+      each([&](const polygon& p) { return kernels::draw_polygon(kernels::kernel_of(k.which), map.of(k.which), rest, p, map.view, kind, p.box, own.buffer(), by_kernel.frame(), counts); });
+      SPANTEX_ASSERT_OK(rest.finish());
+      if (by_kernel.pixels != by_scalar.pixels) fail_msg("%s, filter %d: not the engine's bytes", k.name, int(kind));
+      assert_true(own == by_engine);
+    }
+  }
+}
+
+}  // namespace
+
+int main() {
+  const CMUnitTest tests[] = {
+      cmocka_unit_test(every_number_has_its_code),
+      cmocka_unit_test(ordinary_planes_are_drawn_by_the_kernel_alone),
+      cmocka_unit_test(dark_maps),
+      cmocka_unit_test(black_and_white),
+      cmocka_unit_test(random_planes_and_maps_of_any_size),
+      cmocka_unit_test(rows_of_any_number_of_samples),
+      cmocka_unit_test(planes_that_face_the_viewer),
+      cmocka_unit_test(polygons_with_depth),
+  };
+  return run_suite("kernels_linear_light", tests);
+}
