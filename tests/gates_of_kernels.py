@@ -2,7 +2,7 @@
 """Gates of the host kernels, as gate_list.py has others: name, file, what stands there, what it is broken into, suite, case, further sources the suite links."""
 import pathlib
 
-KERNELS = [f"hal/kernels/{name}.cpp" for name in ("avx2", "avx2_linear_light", "avx512", "avx512_gathers", "avx512_loads", "byte_planes", "kernel", "neon", "neon_linear_light", "planar_map", "row_levels", "shortcuts", "sse41", "sse41_linear_light", "upright", "words", "words_linear_light", "write_out")]
+KERNELS = [f"hal/kernels/{name}.cpp" for name in ("avx2", "avx2_linear_light", "avx512", "avx512_gathers", "avx512_linear_light", "avx512_loads", "byte_planes", "kernel", "neon", "neon_linear_light", "planar_map", "row_levels", "shortcuts", "sse41", "sse41_linear_light", "upright", "words", "words_linear_light", "write_out")]
 
 KERNEL_GATES = [
     ("a vector kernel's halves always up", "hal/kernels/vectors/pixels.hpp", "add16(rest, x & number<0x00800080>())", "add16(rest, number<0x00800080>())", "kernels", "random_planes*", KERNELS),
@@ -36,7 +36,7 @@ KERNEL_GATES = [
     ("vector kernels: texels beyond a map's end taken for held", "hal/kernels/vectors/spans.hpp", "u + reach < map.columns(0) && w + reach < map.rows(0)", "u < map.columns(0) && w < map.rows(0)", "kernels", "levels_that*", KERNELS),
     ("vector kernels: texels before a map's beginning taken for held", "hal/kernels/vectors/spans.hpp", "u >= reach && w >= reach", "u >= 0 && w >= 0", "kernels", "levels_that*", KERNELS),
     ("vector kernels: periods kept where a mask would wrap them", "hal/kernels/vectors/spans.hpp", "period(map.modulo_u(), map.columns(level))", "int32_t(uint32_t(map.value(row_levels::period, level)) & 0xFFFF)", "kernels", "levels_that*", KERNELS),
-    ("a vector kernel's lanes all on the first one's level", "hal/kernels/vectors/spans.hpp", "out = whole == set(level[k]) ? on(level[k]) : out;", "out = out;", "kernels", "levels_that*", KERNELS),
+    ("a vector kernel's lanes all on the first one's level", "hal/kernels/vectors/spans.hpp", "out = chosen(whole == set(level[k]), on(level[k]), out);", "out = out;", "kernels", "levels_that*", KERNELS),
     ("a vector kernel's samples not counted", "hal/kernels/vectors/pixels.hpp", "if (!every_one) x &=", "if (!every_one) (void)", "kernels", "random_planes*", KERNELS),
     ("a vector kernel's second of two samples counted as the first", "hal/kernels/vectors/pixels.hpp", "y &= low_words(other_counted, k);", "y &= low_words(one_counted | other_counted, k);", "kernels", "random_planes*", KERNELS),
     ("a vector kernel's samples from where the level does not begin", "hal/kernels/vectors/aniso.hpp", "from_centre{(level.add_u + centre_u) << rest_bits", "from_centre{centre_u << rest_bits", "kernels", "random_planes*", KERNELS),
@@ -45,7 +45,7 @@ KERNEL_GATES = [
     ("a vector kernel's rows as long as they like", "hal/kernels/vectors/aniso.hpp", "limit - reach_of(c)", "8192", "kernels", "rows_beyond*", KERNELS),
     ("a vector kernel's texels before the division", "hal/kernels/vectors/common.hpp", "extent + (extent >> (-1 - c.slope_log2)) + 1", "extent", "kernels", "texels_after*", KERNELS),
     ("kernels in linear light: halves always up", "hal/kernels/vectors/linear_light.hpp", "((1 << (bits - 1)) - 1) + ((x >> bits) & 1)", "(1 << (bits - 1))", "kernels_linear_light", "dark_maps", KERNELS),
-    ("kernels in linear light: alpha taken for light", "hal/kernels/vectors/linear_light.hpp", "return (codes & ~alpha) | (words & alpha);", "return codes;", "kernels_linear_light", "black*", KERNELS),
+    ("kernels in linear light: alpha taken for light", "hal/kernels/vectors/linear_light.hpp", "(codes_of(of.first, of.second) & ~alpha) | ((of.first | (of.second << 8)) & alpha)", "codes_of(of.first, of.second)", "kernels_linear_light", "black*", KERNELS),
     ("kernels in linear light: a level's colour cut off", "hal/kernels/vectors/linear_light.hpp", "(x + (1 << (blend_fraction - q.blend_bits - 1)))", "x", "kernels_linear_light", "dark_maps", KERNELS),
     ("kernels in linear light: samples cut off", "hal/kernels/vectors/linear_light.hpp", "v_32(rounded_to_even(between_levels<K>(fine, coarse, fraction), between_bits - max_linear_sum_bits)", "v_32((between_levels<K>(fine, coarse, fraction) >> (between_bits - max_linear_sum_bits))", "kernels_linear_light", "dark_maps", KERNELS),
     ("kernels in linear light: a row of one sample taken for the sample", "hal/kernels/vectors/linear_light.hpp", "constexpr bool rounds_samples = true;", "constexpr bool rounds_samples = false;", "kernels_linear_light", "dark_maps", KERNELS),
@@ -53,6 +53,9 @@ KERNEL_GATES = [
     ("kernels in linear light: means half up", "hal/kernels/vectors/linear_light.hpp", "(rest << 1) + (v_32(whole) & 1)) > v(", "(rest << 1) + 1) > v(", "kernels_linear_light", "dark_maps", KERNELS),
     ("kernels in linear light: means cut off", "hal/kernels/vectors/linear_light.hpp", "return whole - v(v((rest << 1) + (v_32(whole) & 1)) > v(n << max_linear_sum_bits));", "return whole;", "kernels_linear_light", "dark_maps", KERNELS),
     ("kernels in linear light: the table's codes begin one late", "hal/kernels/linear_light.hpp", "2 * x < srgb_decoded", "2 * x <= srgb_decoded", "kernels_linear_light", "every_number*", KERNELS),
+    ("kernels in linear light: lanes on levels of their own taken for their neighbours", "hal/kernels/vectors/linear_light.hpp", "first = halves(lane_of_each<0>(where), lane_of_each<1>(where))", "first = halves(where, where)", "kernels_linear_light", "random_planes*", KERNELS),
+    ("kernels in linear light: groups of the second half taken for those of the first", "hal/kernels/vectors/spans.hpp", " + n / of_part * lanes_across) &", ") &", "kernels_linear_light", "polygons*", KERNELS),
+    ("AVX-512's codes of linear light: the last number of a code given the next", "hal/kernels/avx512/srgb_codes.hpp", "_mm512_cmpgt_epu16_mask(b, last.b)", "_mm512_cmpge_epu16_mask(b, last.b)", "kernels_linear_light", "dark_maps", KERNELS),
     ("kernels: sRGB maps filtered as coded", "hal/kernels/kernel.hpp", "return texels.levels_in_rows().linear_light() && kind != filter::nearest;", "return false;", "kernels_linear_light", "ordinary*", KERNELS),
     ("kernels' write-out: the frame's alpha mixed as a colour", "hal/kernels/write_out.cpp", "(s | full) * a", "s * a", "write_out", "planes_are_written*", KERNELS),
     ("kernels' write-out: premultiplied sums beyond 255", "hal/kernels/write_out.cpp", "return sum < most ? sum : most;", "return sum;", "write_out", "planes_are_written*", KERNELS),

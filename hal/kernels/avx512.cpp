@@ -339,7 +339,7 @@ void draw_row(const row_work& work) {
 template <bool Gathers>
 void draw_any_row(const row_work& work) {
   draw_by_filter({draw_row<filter::nearest, Gathers>, draw_row<filter::bilinear, Gathers>, draw_row<filter::mip_bilinear, Gathers>, draw_row<filter::trilinear, Gathers>,
-                  draw_row<filter::aniso, Gathers>}, avx2_linear_light, work);
+                  draw_row<filter::aniso, Gathers>}, avx512_linear_light, work);
 }
 
 }  // namespace

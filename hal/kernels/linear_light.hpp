@@ -26,6 +26,6 @@ struct srgb_steps {
 inline constexpr srgb_steps srgb_code_of;
 
 // One machine's, of filters that blend.
-extern const row_kernels words_linear_light, sse41_linear_light, avx2_linear_light, neon_linear_light;
+extern const row_kernels words_linear_light, sse41_linear_light, avx2_linear_light, avx512_linear_light, neon_linear_light;
 
 }  // namespace spantex::kernels

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // AVX-512 kernel: what local memory does not hold: the other machines' kernel, with sixteen lanes. Texels are gathered if SPANTEX_GATHERS, else loaded one by one.
-// Included by ../avx512_gathers.cpp and ../avx512_loads.cpp alone.
+// In linear light if SPANTEX_LINEAR: everything. Included by ../avx512_gathers.cpp, ../avx512_loads.cpp and ../avx512_linear_light.cpp alone.
 #pragma once
 #include "../avx512_rows.hpp"
+#include "../linear_light.hpp"
 #include "../numbers.hpp"
 
 #include <immintrin.h>
@@ -30,10 +31,13 @@ constexpr int width = 16;
 #include "../vectors/even_odd.hpp"
 #include "../vectors/log2.hpp"
 #include "../vectors/levels.hpp"
-#include "../vectors/pixels.hpp"
 #include "../vectors/plan_lanes.hpp"
 #include "../vectors/positions.hpp"
 #include "../vectors/move_texels.hpp"
+#if SPANTEX_LINEAR
+#include "../vectors/linear_rows.hpp"
+#else
+#include "../vectors/pixels.hpp"
 #include "../vectors/spans.hpp"
 #include "../vectors/aniso.hpp"
 #include "../vectors/kernel.hpp"
@@ -41,6 +45,7 @@ constexpr int width = 16;
 void draw_any_row(const row_work& work) { draw_by_filter(rows, {}, work); }
 
 constexpr row_reader reader{draw_any_row, draw_planned<filter::aniso>};
+#endif
 
 }  // namespace
 }  // namespace spantex::kernels

@@ -149,7 +149,7 @@ SPANTEX_INLINE void place_samples(const on_level<Shift>& fine, const on_level<Sh
 // Means over the rows of `width` pixels from the k-th on, of `fewest` to `most` samples.
 #if SPANTEX_LINEAR
 template <bool MasksOnly, class Shift>
-SPANTEX_INLINE v means_of_rows(const row_levels& map, const on_level<Shift>& fine, const on_level<Shift>& coarse, v fraction, const span_positions& p, const span_rows& rows, int k, int, int most) {
+SPANTEX_INLINE unfinished means_of_rows(const row_levels& map, const on_level<Shift>& fine, const on_level<Shift>& coarse, v fraction, const span_positions& p, const span_rows& rows, int k, int, int most) {
   const v samples = get(rows.samples + k);
   const bool two = !all_equal(fraction, 0);
   lanes_places near[q.max_samples], far[q.max_samples];
@@ -165,7 +165,7 @@ SPANTEX_INLINE v means_of_rows(const row_levels& map, const on_level<Shift>& fin
 }
 #else
 template <bool MasksOnly, class Shift>
-SPANTEX_INLINE v means_of_rows(const row_levels& map, const on_level<Shift>& fine, const on_level<Shift>& coarse, v fraction, const span_positions& p, const span_rows& rows, int k, int fewest, int most) {
+SPANTEX_INLINE unfinished means_of_rows(const row_levels& map, const on_level<Shift>& fine, const on_level<Shift>& coarse, v fraction, const span_positions& p, const span_rows& rows, int k, int fewest, int most) {
   const v samples = get(rows.samples + k);
   const bool two = !all_equal(fraction, 0);
   constexpr int placed = places_first ? q.max_samples : 1;
@@ -195,7 +195,7 @@ SPANTEX_INLINE v means_of_rows(const row_levels& map, const on_level<Shift>& fin
 #endif
 
 template <bool MasksOnly>
-[[gnu::noinline]] v means_by_lane(const row_levels& map, int32_t last, const span_positions& p, const span_rows& rows, int k, int fewest, int most) {
+[[gnu::noinline]] unfinished means_by_lane(const row_levels& map, int32_t last, const span_positions& p, const span_rows& rows, int k, int fewest, int most) {
   if (!MasksOnly && map.exact_count() <= last)
     return each_level_in_turn(get(p.level + k) >> q.level_bits, [&](int32_t level) {
       return means_of_rows<MasksOnly>(map, level_at_once<MasksOnly>(map, level, p), level_at_once<MasksOnly>(map, min_of(level + 1, last), p), get(p.level + k) & 255, p, rows, k, fewest, most);
@@ -247,16 +247,18 @@ template <bool MasksOnly>
     draw_on_levels<MasksOnly, true>(work, sx, mask, p, pixels);
     return true;
   }
-  write_span(work, sx, mask, [&](int k) SPANTEX_INLINED {
+  const auto at = [&](int n) SPANTEX_INLINED {
+    const int k = n * width;
     const auto [fewest, most] = numbers_of(rows.samples + k);
     if (most == 1 && !rounds_samples) {
-      pixels.place(k / width);
-      return pixels.at(k / width);
+      pixels.place(n);
+      return pixels.at(n);
     }
     const v level = get(p.level + k), whole = level >> q.level_bits;
     if (!all_equal(whole, whole[0])) [[unlikely]] return means_by_lane<MasksOnly>(map, work.last_level, p, rows, k, fewest, most);
     pixels.hold(whole[0]);
     return means_of_rows<MasksOnly>(map, pixels.near(), pixels.far(), level & 255, p, rows, k, fewest, most);
-  });
+  };
+  draw_groups(work, sx, mask, [](int) {}, at);
   return true;
 }

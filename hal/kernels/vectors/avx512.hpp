@@ -13,6 +13,7 @@ static_assert(sizeof(v) == sizeof(raw) && rows_at_once == 2);
 SPANTEX_INLINE v of_each_quarter(__m128i x) { return v(_mm512_broadcast_i32x4(x)); }
 
 SPANTEX_INLINE v products(v a, v b) { return v(_mm512_madd_epi16(raw(a), raw(b))); }  // of both halves of a lane, added up
+SPANTEX_INLINE v add_products(v c, v a, v b) { return v(_mm512_dpwssd_epi32(raw(c), raw(a), raw(b))); }  // the same and c
 SPANTEX_INLINE v halves(v low, v high) { return v(_mm512_mask_mov_epi16(raw(low), 0xAAAAAAAA, raw(high))); }
 SPANTEX_INLINE v rounded_shift(v x, int shift) { return down_by(x + (1 << (shift - 1)), shift); }  // to nearest, halves up
 SPANTEX_INLINE v_32 rounded_shift(v_32 x, int shift) { return (x >> shift) + (x >> (shift - 1) & 1); }

@@ -69,6 +69,12 @@ SPANTEX_INLINE v_64 up_by(v_64 x, int n) {
   return x << n;
 }
 
+// What texels become before a span's pixels are written: pixels. linear_light.hpp has its own.
+using unfinished = v;
+constexpr bool finishes_later = false;
+SPANTEX_INLINE v finished(v x) { return x; }
+SPANTEX_INLINE v chosen(v where, v a, v b) { return where ? a : b; }
+
 SPANTEX_INLINE v least(v a, v b) { return a < b ? a : b; }
 SPANTEX_INLINE v largest(v a, v b) { return a > b ? a : b; }
 

@@ -7,15 +7,19 @@ constexpr bool places_first = true;
 
 SPANTEX_INLINE const linear_texel* texels_of(const row_levels& map) { return map.linear_texels(); }
 
-// Pixel k of the first four and, where there are eight lanes, pixel k + 4 in register k.
+// Pixel k of every four in register k, so that its channels lie in four lanes; texels' likewise, two in eight words.
 constexpr int pixels_apart = 4;
 
+#if SPANTEX_AVX512
+template <int K>
+SPANTEX_INLINE v lane_of_each(v x) { return v(_mm512_shuffle_epi32(raw(x), _MM_PERM_ENUM(0x55 * K))); }
+SPANTEX_INLINE v first_words(v a, v b) { return v(_mm512_unpacklo_epi16(raw(a), raw(b))); }
+SPANTEX_INLINE v last_words(v a, v b) { return v(_mm512_unpackhi_epi16(raw(a), raw(b))); }
+#else
 #if SPANTEX_AVX2
-#define SPANTEX_LANES(a, b, c, d) a, b, c, d, a, b, c, d
 #define SPANTEX_EACH(a, b, c, d) a, b, c, d, a + 4, b + 4, c + 4, d + 4
 #define SPANTEX_WORDS(n) n, n + 16, n + 1, n + 17, n + 2, n + 18, n + 3, n + 19, n + 8, n + 24, n + 9, n + 25, n + 10, n + 26, n + 11, n + 27
 #else
-#define SPANTEX_LANES(a, b, c, d) a, b, c, d
 #define SPANTEX_EACH(a, b, c, d) a, b, c, d
 #define SPANTEX_WORDS(n) n, n + 8, n + 1, n + 9, n + 2, n + 10, n + 3, n + 11
 #endif
@@ -23,8 +27,10 @@ constexpr int pixels_apart = 4;
 // Lane K of every four, four times.
 template <int K>
 SPANTEX_INLINE v lane_of_each(v x) { return __builtin_shufflevector(x, x, SPANTEX_EACH(K, K, K, K)); }
-SPANTEX_INLINE v first_words(v a, v b) { return v(__builtin_shufflevector(v_words(a), v_words(b), SPANTEX_WORDS(0))); }  // of every eight, alternating
+// The first or the last four words of every eight, alternating.
+SPANTEX_INLINE v first_words(v a, v b) { return v(__builtin_shufflevector(v_words(a), v_words(b), SPANTEX_WORDS(0))); }
 SPANTEX_INLINE v last_words(v a, v b) { return v(__builtin_shufflevector(v_words(a), v_words(b), SPANTEX_WORDS(4))); }
+#endif
 
 // Calls f.operator()<k>() for every register of pixels.
 SPANTEX_INLINE void each_register(auto&& f) {
@@ -36,9 +42,14 @@ SPANTEX_INLINE void each_register(auto&& f) {
 
 // A texel and the next of every pixel in a register.
 SPANTEX_INLINE v pairs_at(const linear_texel* from, const uint32_t* at) {
-#if SPANTEX_AVX2
-  const auto pair = [&](int k) SPANTEX_INLINED { return _mm_loadu_si128(reinterpret_cast<const __m128i*>(from + at[k])); };
-  return v(_mm256_inserti128_si256(_mm256_castsi128_si256(pair(0)), pair(pixels_apart), 1));
+#if SPANTEX_AVX2 || SPANTEX_AVX512
+  const auto pair = [&](int k) SPANTEX_INLINED { return _mm_loadu_si128(reinterpret_cast<const __m128i*>(from + at[k * pixels_apart])); };
+  const auto two = [&](int k) SPANTEX_INLINED { return _mm256_inserti128_si256(_mm256_castsi128_si256(pair(k)), pair(k + 1), 1); };
+#if SPANTEX_AVX512
+  return v(_mm512_inserti64x4(_mm512_castsi256_si512(two(0)), two(2), 1));
+#else
+  return v(two(0));
+#endif
 #else
   return get(reinterpret_cast<const int32_t*>(from + at[0]));
 #endif
@@ -54,7 +65,7 @@ SPANTEX_INLINE blends blend(const linear_texel* top, const uint32_t* top_at, con
   blends b;
   each_register([&]<int K>() SPANTEX_INLINED {
     const v above = pairs_at(top, top_at + K), below = pairs_at(bottom, bottom_at + K);
-    b.pixel[K] = products(first_words(above, below), lane_of_each<K>(left)) + products(last_words(above, below), lane_of_each<K>(right)) + (linear_texel::offset << blend_fraction);
+    b.pixel[K] = add_products(add_products(set(linear_texel::offset << blend_fraction), first_words(above, below), lane_of_each<K>(left)), last_words(above, below), lane_of_each<K>(right));
   });
   return b;
 }
@@ -71,48 +82,72 @@ SPANTEX_INLINE v between_levels(const blends& fine, const blends& coarse, v frac
   return (near << q.level_bits) + (kept_of_level(coarse.pixel[K]) - near) * lane_of_each<K>(fraction);
 }
 
-// Pixels of u0.16 numbers, of alpha whole ones: number_of.operator()<k>() delivers those of register k.
-SPANTEX_INLINE v coded(auto&& number_of) {
-  v x[4];
-  each_register([&]<int K>() SPANTEX_INLINED { x[K] = number_of.template operator()<K>(); });
-  constexpr v alpha = {SPANTEX_LANES(0, 0, 0, -1)};
-  const auto two = [&](v a, v b) SPANTEX_INLINED {  // codes of both, the latter's in upper halves
-    const v words = a | (b << 16);
-    uint16_t at[2 * width];
-    put(at, v(v_unsigned(words) >> 4));
-    asm("" : "+m"(at));
-    const auto step = [&](int k) SPANTEX_INLINED { return srgb_code_of.step[at[k]]; };
-#if SPANTEX_AVX2
-    const v_unsigned steps = {step(0), step(1), step(2), step(3), step(4), step(5), 0, 0, step(8), step(9), step(10), step(11), step(12), step(13), 0, 0};
+// Codes of u0.16 numbers, two words a lane; of the first in the lower byte of each word, of the second in the upper.
+#if SPANTEX_AVX512
+#include "../avx512/srgb_codes.hpp"
 #else
-    const v_unsigned steps = {step(0), step(1), step(2), step(3), step(4), step(5), 0, 0};
+SPANTEX_INLINE v codes_of(v numbers) {
+  uint16_t at[2 * width];
+  put(at, v(v_unsigned(numbers) >> 4));
+  asm("" : "+m"(at));  // loads of words take less than extracting them
+  const auto step = [&](int k) SPANTEX_INLINED { return srgb_code_of.step[at[k]]; };
+#if SPANTEX_AVX2
+  const v_unsigned steps = {step(0), step(1), step(2), step(3), step(4), step(5), 0, 0, step(8), step(9), step(10), step(11), step(12), step(13), 0, 0};
+#else
+  const v_unsigned steps = {step(0), step(1), step(2), step(3), step(4), step(5), 0, 0};  // alpha has no code
 #endif
-    const v codes = v((steps + (v_unsigned(words) & 15)) >> 4);
-    return (codes & ~alpha) | (words & alpha);
-  };
-  typedef uint8_t bytes __attribute__((vector_size(4 * width)));
-  const bytes channels = bytes(two(x[0], x[1]) | (two(x[2], x[3]) << 8));  // a channel of pixels 0, 2, 1, 3 in a lane, from its lowest byte on
+  return v((steps + (v_unsigned(numbers) & 15)) >> 4);
+}
+SPANTEX_INLINE v codes_of(v first, v second) { return codes_of(first) | (codes_of(second) << 8); }
+
+// Lane c has channel c of pixels 0, 2, 1 and 3, from its lowest byte on: to pixels.
+SPANTEX_INLINE v pixels_of_channels(v channels) {
   constexpr bool little = __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__;
   constexpr int p0 = little ? 0 : 3, p1 = little ? 2 : 1, p2 = little ? 1 : 2, p3 = little ? 3 : 0;
-#define SPANTEX_PIXELS(n) n + p0, n + p0 + 4, n + p0 + 8, n + p0 + 12, n + p1, n + p1 + 4, n + p1 + 8, n + p1 + 12, n + p2, n + p2 + 4, n + p2 + 8, n + p2 + 12, n + p3, n + p3 + 4, n + p3 + 8, n + p3 + 12
+  typedef uint8_t bytes __attribute__((vector_size(4 * width)));
+#define SPANTEX_PIXEL(n) n, n + 4, n + 8, n + 12
+#define SPANTEX_PIXELS(n) SPANTEX_PIXEL(n + p0), SPANTEX_PIXEL(n + p1), SPANTEX_PIXEL(n + p2), SPANTEX_PIXEL(n + p3)
 #if SPANTEX_AVX2
-  return v(__builtin_shufflevector(channels, channels, SPANTEX_PIXELS(0), SPANTEX_PIXELS(16)));
+  return v(__builtin_shufflevector(bytes(channels), bytes(channels), SPANTEX_PIXELS(0), SPANTEX_PIXELS(16)));
 #else
-  return v(__builtin_shufflevector(channels, channels, SPANTEX_PIXELS(0)));
+  return v(__builtin_shufflevector(bytes(channels), bytes(channels), SPANTEX_PIXELS(0)));
 #endif
 }
-SPANTEX_INLINE v pixels_of(const blends& b) {
-  return coded([&]<int K>() SPANTEX_INLINED { return rounded_to_even(b.pixel[K], blend_fraction); });
+#endif
+
+// Pixels before they are codes: u0.16 numbers, of alpha whole ones, two a lane: of pixels 0 and 1 of every four, and of 2 and 3. A span's are found before the first is coded: both are long
+// chains of dependent operations, which a processor does side by side of several pixels if there is nothing else between them.
+struct unfinished { v first, second; };
+constexpr bool finishes_later = true;
+
+// number_of.operator()<k>() delivers those of register k.
+SPANTEX_INLINE unfinished two_a_lane(auto&& number_of) {
+  v x[4];
+  each_register([&]<int K>() SPANTEX_INLINED { x[K] = number_of.template operator()<K>(); });
+  return {x[0] | (x[1] << 16), x[2] | (x[3] << 16)};
+}
+SPANTEX_INLINE unfinished chosen(v where, const unfinished& a, const unfinished& b) {
+  const v first = halves(lane_of_each<0>(where), lane_of_each<1>(where)), second = halves(lane_of_each<2>(where), lane_of_each<3>(where));
+  return {(a.first & first) | (b.first & ~first), (a.second & second) | (b.second & ~second)};
+}
+SPANTEX_INLINE v finished(const unfinished& of) {
+  v alpha{};
+  for (int k = 3; k < width; k += 4) alpha[k] = -1;
+  return pixels_of_channels((codes_of(of.first, of.second) & ~alpha) | ((of.first | (of.second << 8)) & alpha));
+}
+
+SPANTEX_INLINE unfinished pixels_of(const blends& b) {
+  return two_a_lane([&]<int K>() SPANTEX_INLINED { return rounded_to_even(b.pixel[K], blend_fraction); });
 }
 
 // Two levels; fraction of 256 a lane.
-SPANTEX_INLINE v pixels_between(const blends& fine, const blends& coarse, v fraction) {
-  return coded([&]<int K>() SPANTEX_INLINED { return rounded_to_even(between_levels<K>(fine, coarse, fraction), between_bits); });
+SPANTEX_INLINE unfinished pixels_between(const blends& fine, const blends& coarse, v fraction) {
+  return two_a_lane([&]<int K>() SPANTEX_INLINED { return rounded_to_even(between_levels<K>(fine, coarse, fraction), between_bits); });
 }
 
 // The same where the coarse level has no weight.
-SPANTEX_INLINE v pixels_of_level(const blends& b) {
-  return coded([&]<int K>() SPANTEX_INLINED { return rounded_to_even(kept_of_level(b.pixel[K]), q.blend_bits); });
+SPANTEX_INLINE unfinished pixels_of_level(const blends& b) {
+  return two_a_lane([&]<int K>() SPANTEX_INLINED { return rounded_to_even(kept_of_level(b.pixel[K]), q.blend_bits); });
 }
 
 // --- many samples --------------------------------------------------------------------------------------
@@ -140,9 +175,9 @@ struct sample_inverses {
 constexpr sample_inverses inverses{};
 
 // Halves to even.
-SPANTEX_INLINE v means_of(const colour_sums& s, v samples) {
+SPANTEX_INLINE unfinished means_of(const colour_sums& s, v samples) {
   const v inverse = look_up(inverses.of, samples);
-  return coded([&]<int K>() SPANTEX_INLINED {
+  return two_a_lane([&]<int K>() SPANTEX_INLINED {
     const v_32 sum = s.pixel[K], n = v_32(lane_of_each<K>(samples));
     const v whole = upper_halves(unsigned_products(v(sum >> max_linear_sum_bits << 1), lane_of_each<K>(inverse)));
     const v_32 rest = sum - ((v_32(whole) * n) << max_linear_sum_bits);

@@ -21,6 +21,7 @@ SPANTEX_INLINE v products(v a, v b) {  // of both halves of a lane, added up
   const int16x8_t x = int16x8_t(a), y = int16x8_t(b);
   return v(vpaddq_s32(vmull_s16(vget_low_s16(x), vget_low_s16(y)), vmull_high_s16(x, y)));
 }
+SPANTEX_INLINE v add_products(v c, v a, v b) { return c + products(a, b); }
 SPANTEX_INLINE v halves(v low, v high) { return v(vbslq_s32(vdupq_n_u32(0xFFFF), int32x4_t(low), int32x4_t(high))); }
 SPANTEX_INLINE v rounded_shift(v x, int shift) { return v(vrshlq_s32(int32x4_t(x), vdupq_n_s32(-shift))); }  // to nearest, halves up
 SPANTEX_INLINE v_32 rounded_shift(v_32 x, int shift) { return v_32(vrshlq_u32(uint32x4_t(x), vdupq_n_s32(-shift))); }

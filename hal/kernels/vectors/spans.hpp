@@ -109,15 +109,6 @@ SPANTEX_INLINE v wrapped_texel(v at, const on_level<Shift>& l) {
   return least16(largest16(at, l.field[row_levels::low]), l.field[row_levels::high]);
 }
 
-// products(a, b) and c.
-SPANTEX_INLINE v add_products(v c, v a, v b) {
-#if SPANTEX_AVX512
-  return v(_mm512_dpwssd_epi32(raw(c), raw(a), raw(b)));
-#else
-  return c + products(a, b);
-#endif
-}
-
 // Where in the map texels lie, both axes in a lane.
 template <bool MasksOnly, class Shift>
 SPANTEX_INLINE v places_of(v texels, const on_level<Shift>& l) {
@@ -169,7 +160,7 @@ SPANTEX_INLINE blends blended_at(const row_levels& map, const on_level<Shift>& l
 
 // Lanes on levels of their own.
 template <bool MasksOnly, bool TwoLevels>
-[[gnu::noinline]] v pixels_by_lane(const row_levels& map, const int32_t* fine, const int32_t* coarse, const span_positions& p, int n, v fraction) {
+[[gnu::noinline]] unfinished pixels_by_lane(const row_levels& map, const int32_t* fine, const int32_t* coarse, const span_positions& p, int n, v fraction) {
   const v u = get(p.u + width * n), w = get(p.v + width * n);
   const blends near = blended_at<MasksOnly>(map, level_by_lane(map, fine, p), u, w, p);
   if constexpr (TwoLevels) return pixels_between(near, blended_at<MasksOnly>(map, level_by_lane(map, coarse, p), u, w, p), fraction);
@@ -177,19 +168,19 @@ template <bool MasksOnly, bool TwoLevels>
 }
 
 // The same for levels whose sides do not halve exactly: by each that a lane is on, of which the lanes on it are taken. on(level): all lanes' values on it.
-SPANTEX_INLINE v each_level_in_turn(v whole, auto&& on) {
+SPANTEX_INLINE unfinished each_level_in_turn(v whole, auto&& on) {
   alignas(sizeof(v)) int32_t level[width];
   put(level, whole);
-  v out = on(level[0]);
+  unfinished out = on(level[0]);
   for (int k = 1; k < width; ++k) {
     bool drawn = false;
     for (int before = 0; before < k; ++before) drawn |= level[before] == level[k];
-    if (!drawn) out = whole == set(level[k]) ? on(level[k]) : out;
+    if (!drawn) out = chosen(whole == set(level[k]), on(level[k]), out);
   }
   return out;
 }
 template <bool TwoLevels>
-[[gnu::noinline]] v pixels_in_turn(const row_levels& map, v whole, int32_t last, const span_positions& p, int n, v fraction) {
+[[gnu::noinline]] unfinished pixels_in_turn(const row_levels& map, v whole, int32_t last, const span_positions& p, int n, v fraction) {
   const v u = get(p.u + width * n), w = get(p.v + width * n);
   return each_level_in_turn(whole, [&](int32_t level) {
     const blends near = blended_at<false>(map, level_at_once<false>(map, level, p), u, w, p);
@@ -240,14 +231,27 @@ SPANTEX_INLINE void write_span(const row_work& work, int32_t sx, span_mask mask,
 // the first texel, so that reading does not wait for them; the others have memory for one group.
 constexpr int groups = span_pixel_count / width, placed_groups = places_first ? groups : 1;
 
+// Whether the mask has pixels of the n-th group.
+SPANTEX_INLINE bool has_group(span_mask mask, int n) {
+  constexpr int of_part = span_side / rows_at_once;
+  return (mask >> (n % of_part * rows_at_once * span_side + n / of_part * lanes_across) & ((uint64_t(1) << width) - 1)) != 0;
+}
+
 SPANTEX_INLINE void draw_groups(const row_work& work, int32_t sx, span_mask mask, auto&& place, auto&& at) {
   if (places_first)
 #pragma GCC unroll 2
     for (int n = 0; n < groups; ++n) place(n);
-  write_span(work, sx, mask, [&](int k) SPANTEX_INLINED {
-    if (!places_first) place(k / width);
-    return at(k / width);
-  });
+  if constexpr (finishes_later) {
+    unfinished of[groups] = {};
+    for (int n = 0; n < groups; ++n)
+      if (has_group(mask, n)) [[likely]] of[n] = at(n);
+    write_span(work, sx, mask, [&](int k) SPANTEX_INLINED { return finished(of[k / width]); });
+  } else {
+    write_span(work, sx, mask, [&](int k) SPANTEX_INLINED {
+      if (!places_first) place(k / width);
+      return at(k / width);
+    });
+  }
 }
 
 // Single texels of `from`, by the places of all pixels, as span_positions has them. Whole spans are moved texel by texel, and not put together in vectors, where that is faster.
@@ -383,7 +387,7 @@ class pixels_on_levels {
     g.taken = levels_taken::two;
   }
 
-  SPANTEX_INLINE v at(int n) const {
+  SPANTEX_INLINE unfinished at(int n) const {
     const group& g = groups_[n % placed_groups];
     if (g.taken == levels_taken::several) [[unlikely]] return by_lane(n);
     const blends near = blended(map_, g.near, g.near_down);
@@ -410,7 +414,7 @@ class pixels_on_levels {
     levels_taken taken;
   };
 
-  SPANTEX_INLINE v by_lane(int n) const {
+  SPANTEX_INLINE unfinished by_lane(int n) const {
     const v level = get(positions_.level + width * n), whole = whole_level<TwoLevels>(level);
     if (!MasksOnly && map_.exact_count() <= last_) return pixels_in_turn<TwoLevels>(map_, whole, last_, positions_, n, level & 255);
     alignas(sizeof(v)) int32_t fine[width], coarse[width];

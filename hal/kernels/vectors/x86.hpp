@@ -26,6 +26,7 @@ SPANTEX_INLINE v of_each_half(__m128i x) {
 }
 
 SPANTEX_INLINE v products(v a, v b) { return v(SPANTEX_OP(madd_epi16)(raw(a), raw(b))); }  // of both halves of a lane, added up
+SPANTEX_INLINE v add_products(v c, v a, v b) { return c + products(a, b); }
 SPANTEX_INLINE v halves(v low, v high) { return v(SPANTEX_OP(blend_epi16)(raw(low), raw(high), 0xAA)); }
 SPANTEX_INLINE v rounded_shift(v x, int shift) { return down_by(x + (1 << (shift - 1)), shift); }  // to nearest, halves up
 SPANTEX_INLINE v_32 rounded_shift(v_32 x, int shift) { return (x >> shift) + (x >> (shift - 1) & 1); }
