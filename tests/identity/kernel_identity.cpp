@@ -33,11 +33,12 @@ struct map_pixels {
       if (w == 1 && h == 1) return;
     }
   }
-  texture_view view(wrap u, wrap v) const {
+  texture_view view(wrap u, wrap v, colour_space colours = colour_space::coded) const {
     std::vector<const rgba8*> first;
     for (const auto& level : levels) first.push_back(level.data());
     texture_view t;
     if (texture_view::make(first.data(), int(first.size()), width, height, u, v, t) != status::ok) std::abort();
+    t.set_colours(colours);
     return t;
   }
 };
@@ -116,6 +117,7 @@ int main() {
       for (int k = 0; k < 27; ++k) {
         const plane p = k < 15 ? plane_of(k) : scaled_plane_of(k);
         for (const wrap w : {wrap::repeat, wrap::clamp, wrap::mirror}) compare(kernel.which, p, maps[k % 3].view(w, wrap((int(w) + k) % 3)), f.kind, all, sum);
+        compare(kernel.which, p, maps[(k + 1) % 3].view(wrap(k % 3), wrap::repeat, colour_space::srgb), f.kind, k % 2 == 0 ? all : part, sum);
         for (const wrap w : {wrap::repeat, wrap::mirror}) compare(kernel.which, p, opaque.view(w, wrap::repeat), f.kind, part, sum);
       }
       std::printf("%s %s: %d pictures, %d differ; %d of %d spans left to the engine\n", kernel.name, f.name, int(sum.pictures), int(sum.different), int(sum.left), int(sum.spans));

@@ -7,6 +7,8 @@ constexpr bool places_first = true;
 
 SPANTEX_INLINE const linear_texel* texels_of(const row_levels& map) { return map.linear_texels(); }
 
+constexpr bool little = __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__;
+
 // Pixel k of every four in register k, so that its channels lie in four lanes; texels' likewise, two in eight words.
 constexpr int pixels_apart = 4;
 
@@ -27,9 +29,14 @@ SPANTEX_INLINE v last_words(v a, v b) { return v(_mm512_unpackhi_epi16(raw(a), r
 // Lane K of every four, four times.
 template <int K>
 SPANTEX_INLINE v lane_of_each(v x) { return __builtin_shufflevector(x, x, SPANTEX_EACH(K, K, K, K)); }
-// The first or the last four words of every eight, alternating.
-SPANTEX_INLINE v first_words(v a, v b) { return v(__builtin_shufflevector(v_words(a), v_words(b), SPANTEX_WORDS(0))); }
-SPANTEX_INLINE v last_words(v a, v b) { return v(__builtin_shufflevector(v_words(a), v_words(b), SPANTEX_WORDS(4))); }
+// The first or the last four words of every eight: of a in lower halves of lanes, of b in upper ones.
+SPANTEX_INLINE v alternating(auto&& words, v a, v b) { return little ? words(v_words(a), v_words(b)) : words(v_words(b), v_words(a)); }
+SPANTEX_INLINE v first_words(v a, v b) {
+  return alternating([](v_words x, v_words y) SPANTEX_INLINED { return v(__builtin_shufflevector(x, y, SPANTEX_WORDS(0))); }, a, b);
+}
+SPANTEX_INLINE v last_words(v a, v b) {
+  return alternating([](v_words x, v_words y) SPANTEX_INLINED { return v(__builtin_shufflevector(x, y, SPANTEX_WORDS(4))); }, a, b);
+}
 #endif
 
 // Calls f.operator()<k>() for every register of pixels.
@@ -102,7 +109,6 @@ SPANTEX_INLINE v codes_of(v first, v second) { return codes_of(first) | (codes_o
 
 // Lane c has channel c of pixels 0, 2, 1 and 3, from its lowest byte on: to pixels.
 SPANTEX_INLINE v pixels_of_channels(v channels) {
-  constexpr bool little = __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__;
   constexpr int p0 = little ? 0 : 3, p1 = little ? 2 : 1, p2 = little ? 1 : 2, p3 = little ? 3 : 0;
   typedef uint8_t bytes __attribute__((vector_size(4 * width)));
 #define SPANTEX_PIXEL(n) n, n + 4, n + 8, n + 12
