@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Mesa's llvmpipe through OSMesa: one quad with homogeneous texture coordinates, the same levels as ours, one thread. draw() ends when the
-// pixels are in the caller's buffer.
+// pixels are in the caller's buffer; of sRGB codes, which OSMesa's own buffer does not take, when they are in a renderbuffer, from which read() gets them.
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
@@ -8,7 +8,9 @@
 #include <string>
 #include <vector>
 
+#define GL_GLEXT_PROTOTYPES
 #include <GL/osmesa.h>
+#include <GL/glext.h>
 
 #include "peer.hpp"
 
@@ -45,10 +47,12 @@ class mesa_peer final : public peer {
     OSMesaPixelStore(OSMESA_Y_UP, 0);
     version_ = std::string(text_of(GL_RENDERER)) + ", " + text_of(GL_VERSION);
     if (version_.find("llvmpipe") == std::string::npos) return false;
+    if (!choose_target(t.srgb)) return false;
     upload(t);
     glMatrixMode(GL_PROJECTION);
     glLoadIdentity();
-    glOrtho(0, width_, height_, 0, -1, 1);  // y down
+    if (t.srgb) glOrtho(0, width_, 0, height_, -1, 1);
+    else glOrtho(0, width_, height_, 0, -1, 1);  // y down: the buffer has its first row at the top
     set_corners(t);
     return glGetError() == GL_NO_ERROR;
   }
@@ -63,7 +67,10 @@ class mesa_peer final : public peer {
     glFinish();
   }
 
-  void read(uint8_t* rgba) const override { memcpy(rgba, pixels_.data(), 4 * pixels_.size()); }
+  void read(uint8_t* rgba) const override {
+    if (codes_[0] == 0) memcpy(rgba, pixels_.data(), 4 * pixels_.size());
+    else glReadPixels(0, 0, width_, height_, GL_RGBA, GL_UNSIGNED_BYTE, rgba);
+  }
 
  private:
   struct corner { double x, y, s, t, q; };
@@ -71,6 +78,27 @@ class mesa_peer final : public peer {
   static const char* text_of(GLenum what) {
     const GLubyte* const text = glGetString(what);
     return text != nullptr ? reinterpret_cast<const char*>(text) : "?";
+  }
+
+  bool choose_target(bool srgb) {
+    glBindFramebuffer(GL_FRAMEBUFFER, 0);
+    glDisable(GL_FRAMEBUFFER_SRGB);
+    if (codes_[0] != 0) {
+      glDeleteFramebuffers(1, &codes_[0]);
+      glDeleteRenderbuffers(1, &codes_[1]);
+      codes_[0] = codes_[1] = 0;
+    }
+    if (srgb) {
+      glGenFramebuffers(1, &codes_[0]);
+      glGenRenderbuffers(1, &codes_[1]);
+      glBindRenderbuffer(GL_RENDERBUFFER, codes_[1]);
+      glRenderbufferStorage(GL_RENDERBUFFER, GL_SRGB8_ALPHA8, width_, height_);
+      glBindFramebuffer(GL_FRAMEBUFFER, codes_[0]);
+      glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, codes_[1]);
+      glEnable(GL_FRAMEBUFFER_SRGB);
+    }
+    glViewport(0, 0, width_, height_);
+    return glCheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE;
   }
 
   void upload(const task& t) {
@@ -86,7 +114,7 @@ class mesa_peer final : public peer {
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, minifying(t.kind));
     if (t.kind == sampling::aniso16) glTexParameterf(GL_TEXTURE_2D, GL_TEXTURE_MAX_ANISOTROPY_EXT, 16);
     for (int k = 0; k < t.level_count; ++k)
-      glTexImage2D(GL_TEXTURE_2D, k, GL_RGBA8, t.levels[k].width, t.levels[k].height, 0, GL_RGBA, GL_UNSIGNED_BYTE, t.levels[k].rgba);
+      glTexImage2D(GL_TEXTURE_2D, k, t.srgb ? GL_SRGB8_ALPHA8 : GL_RGBA8, t.levels[k].width, t.levels[k].height, 0, GL_RGBA, GL_UNSIGNED_BYTE, t.levels[k].rgba);
   }
 
   void set_corners(const task& t) {
@@ -100,6 +128,7 @@ class mesa_peer final : public peer {
 
   OSMesaContext context_;
   GLuint texture_ = 0;
+  GLuint codes_[2] = {};  // framebuffer and renderbuffer of sRGB codes
   std::vector<uint32_t> pixels_;
   int width_ = 0, height_ = 0;
   corner corners_[4]{};

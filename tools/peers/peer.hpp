@@ -23,6 +23,7 @@ struct task {
   double matrix[9];    // u = (a x + b y + c)/(g x + h y + i), v = (d x + e y + f)/(...), texels; the divisor positive over the whole picture
   int width, height;   // of the picture
   sampling kind;
+  bool srgb;           // r, g, b are sRGB codes: decoded before they are filtered, encoded where they are written
 };
 
 class peer {
@@ -30,7 +31,7 @@ class peer {
   virtual ~peer() = default;
   virtual const char* name() const = 0;
   virtual const char* version() const = 0;
-  virtual bool prepare(const task& t) = 0;          // false: not this sampling
+  virtual bool prepare(const task& t) = 0;          // false: not this sampling, or not these colours
   virtual void draw() = 0;                          // of the task prepared last
   virtual void read(uint8_t* rgba) const = 0;       // the picture that draw() left in memory, rows from the top
 };

@@ -31,8 +31,9 @@ class pixman_peer final : public peer {
     pixels_.assign(size_t(t.width) * size_t(t.height), 0);
     width_ = t.width;
     height_ = t.height;
-    map_ = pixman_image_create_bits(PIXMAN_a8r8g8b8, map.width, map.height, texels_.data(), 4 * map.width);
-    frame_ = pixman_image_create_bits(PIXMAN_a8r8g8b8, width_, height_, pixels_.data(), 4 * width_);
+    const pixman_format_code_t format = t.srgb ? PIXMAN_a8r8g8b8_sRGB : PIXMAN_a8r8g8b8;
+    map_ = pixman_image_create_bits(format, map.width, map.height, texels_.data(), 4 * map.width);
+    frame_ = pixman_image_create_bits(format, width_, height_, pixels_.data(), 4 * width_);
     pixman_image_set_repeat(map_, PIXMAN_REPEAT_NORMAL);
     pixman_image_set_filter(map_, t.kind == sampling::nearest ? PIXMAN_FILTER_NEAREST : PIXMAN_FILTER_BILINEAR, nullptr, 0);
     return set_transform(t.matrix);

@@ -30,7 +30,7 @@ struct bench_options {
   bench_maps maps;
   int rounds = 9;
   std::optional<int> samples;
-  bool growth = false, counts = false, draws_only = false;
+  bool srgb = false, growth = false, counts = false, draws_only = false;
 };
 
 constexpr int most_rounds = 1000;
@@ -100,6 +100,7 @@ void print_heading(const bench_machine& m, const bench_options& o, const peer_li
   printf("%s, %d processors, load %.1f before, %s, %s\n", m.processor.c_str(), m.processors, m.load, m.system.c_str(), m.date.c_str());
   printf("commit %s, %s\n", m.commit.c_str(), build_text(m).c_str());
   printf("one thread for everybody, %s pixels, at most %d turns each, medians, quartiles and least of ns a pixel\n", o.size.c_str(), o.rounds);
+  if (o.srgb) printf("maps are sRGB: filtered in linear light, but for nearest\n");
   if (o.samples) printf("ours by aniso: at most %d samples a pixel\n", *o.samples);
   for (const auto& p : peers) printf("peer %s: %s\n", p->name(), p->version());
   printf("\n%-8s %-12s %-9s %-8s %-14s %8s %17s %8s %7s %6s %8s %7s %7s\n", "scene", "filter", "drawer", "profile", "kernel", "ns", "quartiles", "least", "rms",
@@ -130,14 +131,16 @@ void print_growth(const std::vector<growth_curve>& curves) {
   for (const growth_curve& c : curves) printf("%-26s %-36s %6.2f %6.2f\n", c.of.c_str(), c.drawer.c_str(), c.time_slope, c.words_slope);
 }
 
-std::vector<sim::scene> scenes_of(const bench_options& o) {
+std::vector<sim::scene> scenes_of(const bench_options& o, colour_space colours) {
+  bench_maps maps = o.maps;
+  maps.colours = colours;
   const sim::screen_size size = parse_size(o.size);
   const bool all = o.scenes.empty() ? o.matrix.empty() : o.scenes == std::vector<std::string>{"all"};
   const std::vector<std::string> names = all ? bench_scene_names() : o.scenes;
   refuse_repeats("--scenes", names);
   std::vector<sim::scene> scenes;
-  for (const std::string& name : names) scenes.push_back(make_bench_scene(name, size, o.maps));
-  if (!o.matrix.empty()) scenes.push_back(make_bench_plane(parse_matrix(o.matrix, size), size, o.maps));
+  for (const std::string& name : names) scenes.push_back(make_bench_scene(name, size, maps));
+  if (!o.matrix.empty()) scenes.push_back(make_bench_plane(parse_matrix(o.matrix, size), size, maps));
   return scenes;
 }
 
@@ -146,7 +149,7 @@ void measure(const bench_options& o) {
   check_outputs({{"--json", o.out}}, {o.maps.texture});
   const sim::output_file out = wanted_output(o.out);
   const peer_list peers = load_peers(o.peers);
-  const std::vector<sim::scene> scenes = scenes_of(o);
+  const std::vector<sim::scene> scenes = scenes_of(o, o.srgb ? colour_space::srgb : colour_space::coded);
   const bench_machine machine = this_machine();
   std::vector<bench_row> rows;
   std::vector<growth_curve> curves;
@@ -163,7 +166,7 @@ void measure(const bench_options& o) {
   print_ratios(ratios);
   if (o.growth) print_growth(curves);
   if (!out.wanted()) return;
-  json all{{"machine", to_json(machine)}, {"size", o.size}, {"samples", o.samples.value_or(max_footprint_samples)}, {"peers", json::array()}, {"rows", json::array()}, {"ratios", json::array()}, {"growth", json::array()}};
+  json all{{"machine", to_json(machine)}, {"size", o.size}, {"srgb", o.srgb}, {"samples", o.samples.value_or(max_footprint_samples)}, {"peers", json::array()}, {"rows", json::array()}, {"ratios", json::array()}, {"growth", json::array()}};
   for (const auto& p : peers) all["peers"].push_back({{"name", p->name()}, {"version", p->version()}});
   for (const bench_row& r : rows) all["rows"].push_back(to_json(r));
   for (const bench_ratio& r : ratios) all["ratios"].push_back(to_json(r));
@@ -189,6 +192,7 @@ void add_bench_command(CLI::App& app) {
       sub.add_option("--peers", o->peers, "files of the folder peers beside this command, or all, or none")->delimiter(',')->capture_default_str(),
       sub.add_option("--matrix", o->matrix, "a plane of your own, as of `spantex plane`, named matrix; after the scenes of --scenes, where they are named"),
       sub.add_option("--texture", o->maps.texture, "map of the planes, a picture, instead of a built-in one"),
+      sub.add_flag("--srgb", o->srgb, "maps are sRGB: levels and filters in linear light; peers that know it"),
       sub.add_option("--models", o->maps.models, "folder of assimp's test models")->capture_default_str(),
       sub.add_option("--size", o->size, "picture size, WxH")->capture_default_str(),
       sub.add_option("--samples", o->samples, "ours, filter aniso: at most so many samples along a footprint, 1..16" + unless_given(std::to_string(profiles::standard.max_samples))),

@@ -88,7 +88,7 @@ bool prepare_peer(peers::peer& p, const sim::scene& s, filter kind) {
     const sim::image& level = map.level(k);
     levels.push_back({reinterpret_cast<const uint8_t*>(level.pixels.data()), level.width_px, level.height_px});
   }
-  peers::task task{levels.data(), int(levels.size()), {}, s.size.width_px, s.size.height_px, *sampling};
+  peers::task task{levels.data(), int(levels.size()), {}, s.size.width_px, s.size.height_px, *sampling, map.view_on_demand().colours() == colour_space::srgb && kind != filter::nearest};
   std::copy(s.items[0].plane_matrix.begin(), s.items[0].plane_matrix.end(), task.matrix);
   return p.prepare(task);
 }

@@ -21,22 +21,22 @@ namespace {
 
 constexpr int plane_map_side = 512;
 
-std::shared_ptr<const sim::map_list> one_map(sim::image picture) {
+std::shared_ptr<const sim::map_list> one_map(sim::image picture, colour_space colours) {
   sim::map_list maps;
-  maps.emplace_back(std::move(picture), sim::prefilter::box, wrap::repeat, wrap::repeat);
+  maps.emplace_back(std::move(picture), sim::prefilter::box, wrap::repeat, wrap::repeat, texel_format::rgba8888, colours);
   return std::make_shared<const sim::map_list>(std::move(maps));
 }
 
-// Made once a side.
-std::shared_ptr<const sim::map_list> built_in_map(int side) {
-  static std::map<int, std::shared_ptr<const sim::map_list>> made;
-  std::shared_ptr<const sim::map_list>& map = made[side];
-  if (map == nullptr) map = one_map(sim::photographic_pattern(side, 1));
+// Made once.
+std::shared_ptr<const sim::map_list> built_in_map(int side, colour_space colours = colour_space::coded) {
+  static std::map<std::pair<int, colour_space>, std::shared_ptr<const sim::map_list>> made;
+  std::shared_ptr<const sim::map_list>& map = made[{side, colours}];
+  if (map == nullptr) map = one_map(sim::photographic_pattern(side, 1), colours);
   return map;
 }
 
 sim::scene plane_scene(const std::string& name, const sim::matrix& m, sim::screen_size size, const bench_maps& maps) {
-  sim::scene s{name, size, maps.texture.empty() ? built_in_map(plane_map_side) : one_map(sim::load_image(maps.texture)), {}};
+  sim::scene s{name, size, maps.texture.empty() ? built_in_map(plane_map_side, maps.colours) : one_map(sim::load_image(maps.texture), maps.colours), {}};
   sim::add_plane(s, m, 0);
   return s;
 }
@@ -48,7 +48,9 @@ sim::scene spider_scene(sim::screen_size size, const bench_maps& maps) {
   sim::camera_options camera;
   camera.yaw_degrees = 35;
   camera.pitch_degrees = 30;
-  sim::scene s = sim::look_at(sim::load_model(file, {}), camera, size);
+  sim::model_options options;
+  options.colours = maps.colours;
+  sim::scene s = sim::look_at(sim::load_model(file, options), camera, size);
   s.name = "spider";
   return s;
 }

@@ -12,6 +12,7 @@ namespace spantex::tool {
 struct bench_maps {
   std::string texture;  // of the planes, a picture; empty: made here, the same on every machine
   std::string models = "/usr/share/assimp/models";
+  colour_space colours = colour_space::coded;
 };
 
 const std::vector<std::string>& bench_scene_names();
