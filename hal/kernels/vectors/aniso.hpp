@@ -228,29 +228,29 @@ SPANTEX_INLINE range_of numbers_of(const int32_t* samples) {
 template <bool MasksOnly>
 [[gnu::noinline]] bool draw_aniso(const row_work& work, int32_t sx, span_mask mask, span_positions& p, const span_coefficients& c) {
   const row_levels& map = work.texels->levels_in_rows();
-  pixels_on_levels<MasksOnly, true> pixels(work, p);
+  pixels_on_levels<MasksOnly, one_sample> pixels(work, p);
   span_rows rows;
   bool several = false;
   if (!find_shapes(work, c, p.level, rows, several)) return false;
   const int coarsest = MasksOnly ? 0 : pixels.coarsest();
   if (!MasksOnly && !in_reach(map, coarsest, reach_of(c), p)) return false;
   const auto rows_within = [&](int32_t limit) SPANTEX_INLINED { return find_rows(c, 2 * max_of(0, min_of(longest_row / 2, limit - reach_of(c))), rows); };
-  if ((several || rounds_samples) && (p.far || !rows_within(map.near_limit(coarsest)))) {
+  if (several && (p.far || !rows_within(map.near_limit(coarsest)))) {
     p.far = true;
     if (MasksOnly || !rows_within(map.far_limit(coarsest))) return false;
   }
-  if (!several && !rounds_samples) {
+  if (!several) {
 #if SPANTEX_TABLES
     if constexpr (MasksOnly) quads_on_levels<filter::trilinear>(work, sx, mask, p, c);
     else
 #endif
-    draw_on_levels<MasksOnly, true>(work, sx, mask, p, pixels);
+    draw_on_levels(work, sx, mask, p, pixels);
     return true;
   }
   const auto at = [&](int n) SPANTEX_INLINED {
     const int k = n * width;
     const auto [fewest, most] = numbers_of(rows.samples + k);
-    if (most == 1 && !rounds_samples) {
+    if (most == 1) {
       pixels.place(n);
       return pixels.at(n);
     }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "inlined.hpp"
+#include "rounded.hpp"
 
 constexpr profile q = profiles::standard;
 using prof = fixed_profile<q>;
@@ -14,7 +15,7 @@ constexpr int batch = 8;  // spans that are planned before they are drawn
 
 // Of colours as coded; linear_light.hpp has its own.
 SPANTEX_INLINE const rgba8* texels_of(const row_levels& map) { return map.texels(); }
-constexpr bool rounds_samples = false;
+constexpr rounded one_sample = rounded::between_levels;  // of a row of samples
 
 SPANTEX_INLINE int32_t modulo(int32_t base, int32_t period) {
   if (period == 0) return base;

@@ -158,14 +158,20 @@ SPANTEX_INLINE unfinished pixels_of_level(const blends& b) {
 
 // --- many samples --------------------------------------------------------------------------------------
 
-// A sample is rounded to 12 bits before it is added, and the mean once more: a row of one sample is not what a filter of one sample makes of it.
-constexpr bool rounds_samples = true;
+// A sample is rounded to 12 bits before it is added, and the mean once more: a row of one sample is not what a filter of one sample makes of it. (What is on one level has fewer bits.)
+constexpr rounded one_sample = rounded::as_sample;
+template <int K>
+SPANTEX_INLINE v sample(const blends& fine, const blends& coarse, v fraction) { return rounded_to_even(between_levels<K>(fine, coarse, fraction), between_bits - max_linear_sum_bits); }
+SPANTEX_INLINE unfinished sample_between(const blends& fine, const blends& coarse, v fraction) {
+  return two_a_lane([&]<int K>() SPANTEX_INLINED { return rounded_to_even(sample<K>(fine, coarse, fraction), max_linear_sum_bits); });
+}
+
 static_assert(q.max_samples <= 16 && between_bits > max_linear_sum_bits && q.blend_bits <= max_linear_sum_bits);
 struct colour_sums { v_32 pixel[4] = {}; };
 
 // counted: all ones where the lane's pixel has this sample.
 SPANTEX_INLINE void add_sample(colour_sums& s, const blends& fine, const blends& coarse, v fraction, v counted) {
-  each_register([&]<int K>() SPANTEX_INLINED { s.pixel[K] += v_32(rounded_to_even(between_levels<K>(fine, coarse, fraction), between_bits - max_linear_sum_bits) & lane_of_each<K>(counted)); });
+  each_register([&]<int K>() SPANTEX_INLINED { s.pixel[K] += v_32(sample<K>(fine, coarse, fraction) & lane_of_each<K>(counted)); });
 }
 SPANTEX_INLINE void add_sample(colour_sums& s, const blends& b, v counted) {
   each_register([&]<int K>() SPANTEX_INLINED { s.pixel[K] += v_32((kept_of_level(b.pixel[K]) << (max_linear_sum_bits - q.blend_bits)) & lane_of_each<K>(counted)); });

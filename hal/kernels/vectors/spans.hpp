@@ -158,12 +158,21 @@ SPANTEX_INLINE blends blended_at(const row_levels& map, const on_level<Shift>& l
   return blended(map, at, l.down);
 }
 
+constexpr bool is_between(rounded how) { return how == rounded::between_levels || how == rounded::as_sample; }
+template <rounded How>
+SPANTEX_INLINE unfinished joined(const blends& near, const blends& far, v fraction) {
+#if SPANTEX_LINEAR
+  if constexpr (How == rounded::as_sample) return sample_between(near, far, fraction);
+#endif
+  return pixels_between(near, far, fraction);
+}
+
 // Lanes on levels of their own.
-template <bool MasksOnly, bool TwoLevels>
+template <bool MasksOnly, rounded How>
 [[gnu::noinline]] unfinished pixels_by_lane(const row_levels& map, const int32_t* fine, const int32_t* coarse, const span_positions& p, int n, v fraction) {
   const v u = get(p.u + width * n), w = get(p.v + width * n);
   const blends near = blended_at<MasksOnly>(map, level_by_lane(map, fine, p), u, w, p);
-  if constexpr (TwoLevels) return pixels_between(near, blended_at<MasksOnly>(map, level_by_lane(map, coarse, p), u, w, p), fraction);
+  if constexpr (is_between(How)) return joined<How>(near, blended_at<MasksOnly>(map, level_by_lane(map, coarse, p), u, w, p), fraction);
   else return pixels_of(near);
 }
 
@@ -179,12 +188,12 @@ SPANTEX_INLINE unfinished each_level_in_turn(v whole, auto&& on) {
   }
   return out;
 }
-template <bool TwoLevels>
+template <rounded How>
 [[gnu::noinline]] unfinished pixels_in_turn(const row_levels& map, v whole, int32_t last, const span_positions& p, int n, v fraction) {
   const v u = get(p.u + width * n), w = get(p.v + width * n);
   return each_level_in_turn(whole, [&](int32_t level) {
     const blends near = blended_at<false>(map, level_at_once<false>(map, level, p), u, w, p);
-    if constexpr (TwoLevels) return pixels_between(near, blended_at<false>(map, level_at_once<false>(map, min_of(level + 1, last), p), u, w, p), fraction);
+    if constexpr (is_between(How)) return joined<How>(near, blended_at<false>(map, level_at_once<false>(map, min_of(level + 1, last), p), u, w, p), fraction);
     else return pixels_of(near);
   });
 }
@@ -359,8 +368,10 @@ template <bool TwoLevels>
 SPANTEX_INLINE auto whole_level(auto level) { return (TwoLevels ? level : level + 127) >> q.level_bits; }
 
 // `width` pixels of a span at a time, on their levels of detail: place(n) for the n-th of them, then at(n).
-template <bool MasksOnly, bool TwoLevels>
+template <bool MasksOnly, rounded How>
 class pixels_on_levels {
+  static constexpr bool TwoLevels = is_between(How);
+
  public:
   SPANTEX_INLINE pixels_on_levels(const row_work& work, const span_positions& p) : map_(work.texels->levels_in_rows()), positions_(p), last_(work.last_level) {}
 
@@ -393,7 +404,7 @@ class pixels_on_levels {
     const blends near = blended(map_, g.near, g.near_down);
     if constexpr (!TwoLevels) return pixels_of(near);
     if (g.taken == levels_taken::one) return pixels_of_level(near);
-    return pixels_between(near, blended(map_, g.far, g.far_down), get(positions_.level + width * n) & number<255>());
+    return joined<How>(near, blended(map_, g.far, g.far_down), get(positions_.level + width * n) & number<255>());
   }
 
   // What every lane's level is has been found: near() and far() are of it.
@@ -416,11 +427,11 @@ class pixels_on_levels {
 
   SPANTEX_INLINE unfinished by_lane(int n) const {
     const v level = get(positions_.level + width * n), whole = whole_level<TwoLevels>(level);
-    if (!MasksOnly && map_.exact_count() <= last_) return pixels_in_turn<TwoLevels>(map_, whole, last_, positions_, n, level & 255);
+    if (!MasksOnly && map_.exact_count() <= last_) return pixels_in_turn<How>(map_, whole, last_, positions_, n, level & 255);
     alignas(sizeof(v)) int32_t fine[width], coarse[width];
     put(fine, whole);
     put(coarse, least(whole + 1, set(last_)));
-    return pixels_by_lane<MasksOnly, TwoLevels>(map_, fine, coarse, positions_, n, level & 255);
+    return pixels_by_lane<MasksOnly, How>(map_, fine, coarse, positions_, n, level & 255);
   }
 
   const row_levels& map_;
@@ -449,7 +460,7 @@ SPANTEX_INLINE alike_levels compared(const span_positions& p) {
 // colours cost them more than to ask.
 template <bool MasksOnly, rounded How>
 SPANTEX_INLINE void draw_on_level(const row_work& work, int32_t sx, span_mask mask, const span_positions& p, int32_t level) {
-  constexpr bool two = How == rounded::between_levels;
+  constexpr bool two = is_between(How);
   const row_levels& map = work.texels->levels_in_rows();
   on_level<int32_t> near, far;
   take_level<MasksOnly>(map, level, p, near);
@@ -466,18 +477,18 @@ SPANTEX_INLINE void draw_on_level(const row_work& work, int32_t sx, span_mask ma
                 if constexpr (two) {
                   const v fraction = get(p.level + width * n) & number<255>();
                   if (spares_levels && all_equal(fraction, 0)) return pixels_of_level(fine);
-                  return pixels_between(fine, blended(map, at_far[n % placed_groups], far.down), fraction);
+                  return joined<How>(fine, blended(map, at_far[n % placed_groups], far.down), fraction);
                 } else return How == rounded::at_once ? pixels_of(fine) : pixels_of_level(fine);
               });
 }
 
 // Pixels by their levels of detail, a sample each.
-template <bool MasksOnly, bool TwoLevels>
-SPANTEX_INLINE void draw_on_levels(const row_work& work, int32_t sx, span_mask mask, const span_positions& p, pixels_on_levels<MasksOnly, TwoLevels>& pixels) {
-  if (const alike_levels of = compared<TwoLevels>(p); of.alike) {
-    const int32_t level = whole_level<TwoLevels>(int32_t(p.level[0]));
-    if constexpr (!TwoLevels) draw_on_level<MasksOnly, rounded::at_once>(work, sx, mask, p, level);
-    else if (of.between) draw_on_level<MasksOnly, rounded::between_levels>(work, sx, mask, p, level);
+template <bool MasksOnly, rounded How>
+SPANTEX_INLINE void draw_on_levels(const row_work& work, int32_t sx, span_mask mask, const span_positions& p, pixels_on_levels<MasksOnly, How>& pixels) {
+  if (const alike_levels of = compared<is_between(How)>(p); of.alike) {
+    const int32_t level = whole_level<is_between(How)>(int32_t(p.level[0]));
+    if constexpr (!is_between(How)) draw_on_level<MasksOnly, How>(work, sx, mask, p, level);
+    else if (of.between) draw_on_level<MasksOnly, How>(work, sx, mask, p, level);
     else draw_on_level<MasksOnly, rounded::after_level>(work, sx, mask, p, level);
     return;
   }
@@ -486,11 +497,11 @@ SPANTEX_INLINE void draw_on_levels(const row_work& work, int32_t sx, span_mask m
 
 template <bool MasksOnly, bool TwoLevels>
 SPANTEX_INLINE bool draw_by_level(const row_work& work, int32_t sx, span_mask mask, span_positions& p, const span_coefficients& c) {
-  pixels_on_levels<MasksOnly, TwoLevels> pixels(work, p);
+  pixels_on_levels<MasksOnly, TwoLevels ? rounded::between_levels : rounded::at_once> pixels(work, p);
   if constexpr (!MasksOnly) {
     const row_levels& map = work.texels->levels_in_rows();
     if (reach_of(c) > map.near_limit(work.last_level) && !in_reach(map, pixels.coarsest(), reach_of(c), p)) return false;  // limits of coarser levels are no larger
   }
-  draw_on_levels<MasksOnly, TwoLevels>(work, sx, mask, p, pixels);
+  draw_on_levels(work, sx, mask, p, pixels);
   return true;
 }

@@ -253,7 +253,7 @@ template <filter Kind>
   const row_levels& map = work.texels->levels_in_rows();
   span_positions own;
   round_positions<uses_levels(Kind)>(p, k, own);
-  pixels_on_levels<true, uses_two_levels(Kind)> pixels(work, own);
+  pixels_on_levels<true, uses_two_levels(Kind) ? rounded::between_levels : rounded::at_once> pixels(work, own);
   if (!uses_levels(Kind)) pixels.hold(0);
   for (int r = 0; r < quad_side; ++r, k += width, to += work.stride) {
     if (uses_levels(Kind)) pixels.place(k / width);
