@@ -58,31 +58,51 @@ struct named_kernel { const char* name; kernels::choice which; };
 constexpr named_kernel every_kernel[] = {{"words", kernels::choice::words}, {"sse41", kernels::choice::sse41}, {"avx2", kernels::choice::avx2}, {"avx512", kernels::choice::avx512},
                                          {"avx512-gathers", kernels::choice::avx512_gathers}, {"neon", kernels::choice::neon}};
 
-std::string name_of(const named_plane& p, const named_filter& f) { return std::string(p.name) + "-" + f.name; }
+// Every plane by every filter; and of some, what takes another way from texels to the frame: linear light, write-out.
+enum class way : uint8_t { stored, srgb, cut_out, blended };
+constexpr const char* way_names[] = {"", "-srgb", "-cut-out", "-blended"};
+struct picture { named_plane plane; named_filter filter; way how; };
+std::string name_of(const picture& p) { return std::string(p.plane.name) + "-" + p.filter.name + way_names[size_t(p.how)]; }
 
-bool is_picture(const std::string& name) {
-  return std::any_of(std::begin(planes), std::end(planes), [&](const named_plane& p) {
-    return std::any_of(std::begin(filters), std::end(filters), [&](const named_filter& f) { return name == name_of(p, f); });
-  });
+std::vector<picture> every_picture() {
+  std::vector<picture> all;
+  for (const named_plane& p : planes)
+    for (const named_filter& f : filters) all.push_back({p, f, way::stored});
+  const auto add = [&](const char* plane, const char* filter, way how) {
+    const auto named = [](const auto& list, std::string name) { return *std::find_if(std::begin(list), std::end(list), [&](const auto& one) { return name == one.name; }); };
+    all.push_back({named(planes, plane), named(filters, filter), how});
+  };
+  for (const char* filter : {"bilinear", "trilinear", "aniso"}) add("tilted", filter, way::srgb);
+  add("close", "aniso", way::srgb);
+  add("tilted", "nearest", way::cut_out);
+  add("tilted", "trilinear", way::blended);
+  return all;
 }
 
 struct noise {
   std::vector<std::vector<rgba8>> levels;
   texture_view view;
 
-  noise() {
+  explicit noise(way how = way::stored) {
     uint32_t state = 7;
     std::vector<const rgba8*> first;
     for (int side = map_side; side >= 1; side /= 2) {
       std::vector<rgba8>& level = levels.emplace_back(size_t(side) * size_t(side));
       for (rgba8& t : level) {
         state = state * 1664525u + 1013904223u;
-        t = {uint8_t(state >> 24), uint8_t(state >> 16), uint8_t(state >> 8), 255};
+        t = {uint8_t(state >> 24), uint8_t(state >> 16), uint8_t(state >> 8), how < way::cut_out ? uint8_t(255) : uint8_t(state >> 20)};
       }
     }
     for (const std::vector<rgba8>& level : levels) first.push_back(level.data());
     if (texture_view::make(first.data(), int(first.size()), map_side, map_side, wrap::repeat, wrap::repeat, view) != status::ok) std::abort();
+    if (how == way::srgb) view.set_colours(colour_space::srgb);
   }
+};
+
+struct ready_map {
+  noise map;
+  kernels::planar_map texels;
+  ready_map(way how, kernels::layout of) : map(how), texels(map.view, of) {}
 };
 
 plane made(const named_plane& named) {
@@ -91,16 +111,24 @@ plane made(const named_plane& named) {
   return p;
 }
 
-[[gnu::noinline]] uint64_t draw_counted(kernels::row_kernel kernel, const kernels::planar_map& texels, const plane& p, const texture_view& view, filter kind, const frame_buffer& frame) {
+template <class Renderer>
+[[gnu::noinline]] uint64_t draw_counted(kernels::row_kernel kernel, const ready_map& from, const plane& p, filter kind, const frame_buffer& frame, const typename Renderer::shading_type& how) {
   count_begin();
   direct_engine<prof> engine;
-  renderer<direct_engine<prof>, prof> rest(engine, prof{}, frame);
+  Renderer rest(engine, prof{}, frame);
   draw_counters counts;
-  status done = kernels::draw_plane(kernel, texels, rest, p, view, kind, drawn, frame, counts);
+  status done = kernels::draw_plane(kernel, from.texels, rest, p, from.map.view, kind, drawn, frame, counts, how);
   if (done == status::ok) done = rest.finish();
   count_end();
   if (done != status::ok) std::abort();
   return counts.jobs;
+}
+
+uint64_t draw(kernels::row_kernel kernel, const ready_map& from, const picture& what, const frame_buffer& frame) {
+  const plane p = made(what.plane);
+  if (what.how < way::cut_out) return draw_counted<renderer<direct_engine<prof>, prof>>(kernel, from, p, what.filter.kind, frame, {});
+  const shading how{what.how == way::cut_out ? alpha_mode::cut_out : alpha_mode::blended, 128, white, nullptr};
+  return draw_counted<renderer<direct_engine<prof>, prof, shading>>(kernel, from, p, what.filter.kind, frame, how);
 }
 
 }  // namespace
@@ -113,19 +141,17 @@ int main(int argc, char** argv) {
   std::vector<std::string> wanted(argv + 2, argv + argc);
   traps = std::erase(wanted, "--trap") != 0;
   if (traps) signal(SIGTRAP, count_one);
+  const std::vector<picture> pictures = every_picture();
   for (const std::string& name : wanted)
-    if (!is_picture(name)) return 2;
-  const noise map;
-  const kernels::planar_map texels(map.view, kernels::layout_of(k->which));
+    if (std::none_of(pictures.begin(), pictures.end(), [&](const picture& p) { return name == name_of(p); })) return 2;
+  const kernels::layout layout = kernels::layout_of(k->which);
+  const ready_map maps[] = {{way::stored, layout}, {way::srgb, layout}, {way::cut_out, layout}};
   std::vector<rgba8> pixels(size_t(screen.x1) * size_t(screen.y1));
-  for (const named_plane& named : planes) {
-    const plane p = made(named);
-    for (const named_filter& f : filters) {
-      const std::string name = name_of(named, f);
-      if (!wanted.empty() && std::find(wanted.begin(), wanted.end(), name) == wanted.end()) continue;
-      instructions = 0;
-      if (draw_counted(kernel, texels, p, map.view, f.kind, {pixels.data(), screen.x1, screen.y1, screen.x1}) == 0) std::abort();
-      std::printf("%s %d\n", name.c_str(), int(instructions));
-    }
+  for (const picture& p : pictures) {
+    const std::string name = name_of(p);
+    if (!wanted.empty() && std::find(wanted.begin(), wanted.end(), name) == wanted.end()) continue;
+    instructions = 0;
+    if (draw(kernel, maps[std::min(size_t(p.how), std::size(maps) - 1)], p, {pixels.data(), screen.x1, screen.y1, screen.x1}) == 0) std::abort();
+    std::printf("%s %d\n", name.c_str(), int(instructions));
   }
 }

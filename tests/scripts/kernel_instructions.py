@@ -24,7 +24,7 @@ CXX, ARM64, EMULATOR = os.environ.get("CXX", "g++"), "aarch64-linux-gnu-g++", "q
 BY_CALLGRIND = ("words", "sse41", "avx2")
 BY_TRAP = {
     "avx512": ["facing-trilinear", "tilted-nearest", "tilted-bilinear", "tilted-mip-bilinear", "tilted-trilinear", "tilted-aniso", "far-nearest", "far-bilinear", "far-trilinear",
-               "turned-nearest", "turned-trilinear", "scaled-nearest", "scaled-bilinear", "scaled-trilinear"],
+               "turned-nearest", "turned-trilinear", "scaled-nearest", "scaled-bilinear", "scaled-trilinear", "tilted-trilinear-srgb", "tilted-nearest-cut-out"],
     "avx512-gathers": ["far-nearest", "far-bilinear", "far-aniso"],  # what local memory does not hold
 }
 # memcpy and the like as they are with AVX2: no string instructions, which are a trap an iteration, no AVX-512.
