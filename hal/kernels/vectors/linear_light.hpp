@@ -79,6 +79,16 @@ SPANTEX_INLINE blends blend(const linear_texel* top, const uint32_t* top_at, con
 
 // Halves to even.
 SPANTEX_INLINE v rounded_to_even(v x, int bits) { return (x + ((1 << (bits - 1)) - 1) + ((x >> bits) & 1)) >> bits; }
+// The same in a lane's upper half. (A whole number is odd after what is less than a half is added if it was before, or else its fraction is too small to tell.)
+SPANTEX_INLINE v upper_half_to_even(v x, int bits) {
+  const v_32 y = (v_32(x) << (16 - bits)) + 0x7FFF;
+#if SPANTEX_AVX512
+  const v one = number<0x10000>();
+  return add_products(v(y), v(y) & one, one);
+#else
+  return v(y + (y >> 16 & 1));
+#endif
+}
 
 SPANTEX_INLINE v kept_of_level(v x) { return (x + (1 << (blend_fraction - q.blend_bits - 1))) >> (blend_fraction - q.blend_bits); }
 constexpr int between_bits = q.blend_bits + q.level_bits;
@@ -126,11 +136,12 @@ SPANTEX_INLINE v pixels_of_channels(v channels) {
 struct unfinished { v first, second; };
 constexpr bool finishes_later = true;
 
-// number_of.operator()<k>() delivers those of register k.
+// number_of.operator()<k>() delivers those of register k, in upper halves of lanes.
 SPANTEX_INLINE unfinished two_a_lane(auto&& number_of) {
   v x[4];
   each_register([&]<int K>() SPANTEX_INLINED { x[K] = number_of.template operator()<K>(); });
-  return {x[0] | (x[1] << 16), x[2] | (x[3] << 16)};
+  const auto two = [](v a, v b) SPANTEX_INLINED { return halves(v(v_32(a) >> 16), b); };
+  return {two(x[0], x[1]), two(x[2], x[3])};
 }
 SPANTEX_INLINE unfinished chosen(v where, const unfinished& a, const unfinished& b) {
   const v first = halves(lane_of_each<0>(where), lane_of_each<1>(where)), second = halves(lane_of_each<2>(where), lane_of_each<3>(where));
@@ -143,17 +154,17 @@ SPANTEX_INLINE v finished(const unfinished& of) {
 }
 
 SPANTEX_INLINE unfinished pixels_of(const blends& b) {
-  return two_a_lane([&]<int K>() SPANTEX_INLINED { return rounded_to_even(b.pixel[K], blend_fraction); });
+  return two_a_lane([&]<int K>() SPANTEX_INLINED { return upper_half_to_even(b.pixel[K], blend_fraction); });
 }
 
 // Two levels; fraction of 256 a lane.
 SPANTEX_INLINE unfinished pixels_between(const blends& fine, const blends& coarse, v fraction) {
-  return two_a_lane([&]<int K>() SPANTEX_INLINED { return rounded_to_even(between_levels<K>(fine, coarse, fraction), between_bits); });
+  return two_a_lane([&]<int K>() SPANTEX_INLINED { return upper_half_to_even(between_levels<K>(fine, coarse, fraction), between_bits); });
 }
 
 // The same where the coarse level has no weight.
 SPANTEX_INLINE unfinished pixels_of_level(const blends& b) {
-  return two_a_lane([&]<int K>() SPANTEX_INLINED { return rounded_to_even(kept_of_level(b.pixel[K]), q.blend_bits); });
+  return two_a_lane([&]<int K>() SPANTEX_INLINED { return upper_half_to_even(kept_of_level(b.pixel[K]), q.blend_bits); });
 }
 
 // --- many samples --------------------------------------------------------------------------------------
@@ -163,7 +174,7 @@ constexpr rounded one_sample = rounded::as_sample;
 template <int K>
 SPANTEX_INLINE v sample(const blends& fine, const blends& coarse, v fraction) { return rounded_to_even(between_levels<K>(fine, coarse, fraction), between_bits - max_linear_sum_bits); }
 SPANTEX_INLINE unfinished sample_between(const blends& fine, const blends& coarse, v fraction) {
-  return two_a_lane([&]<int K>() SPANTEX_INLINED { return rounded_to_even(sample<K>(fine, coarse, fraction), max_linear_sum_bits); });
+  return two_a_lane([&]<int K>() SPANTEX_INLINED { return upper_half_to_even(sample<K>(fine, coarse, fraction), max_linear_sum_bits); });
 }
 
 static_assert(q.max_samples <= 16 && between_bits > max_linear_sum_bits && q.blend_bits <= max_linear_sum_bits);
@@ -193,6 +204,6 @@ SPANTEX_INLINE unfinished means_of(const colour_sums& s, v samples) {
     const v_32 sum = s.pixel[K], n = v_32(lane_of_each<K>(samples));
     const v whole = upper_halves(unsigned_products(v(sum >> max_linear_sum_bits << 1), lane_of_each<K>(inverse)));
     const v_32 rest = sum - ((v_32(whole) * n) << max_linear_sum_bits);
-    return whole - v(v((rest << 1) + (v_32(whole) & 1)) > v(n << max_linear_sum_bits));
+    return (whole - v(v((rest << 1) + (v_32(whole) & 1)) > v(n << max_linear_sum_bits))) << 16;
   });
 }
