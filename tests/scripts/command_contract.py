@@ -171,7 +171,8 @@ def test_every_kernel_draws_the_same_on_any_number_of_threads(folder):
     for filter_name in ("nearest", "bilinear", "mip-bilinear", "trilinear", "aniso"):
         for subject in (["plane", "--texture", "map.png", "--matrix", HORIZON], ["plane", "--texture", "map.png", "--matrix", TILTED],
                         ["plane", "--texture", "map.png", "--matrix", SCALED], ["render", "fig8"], ["render", "fig9"],
-                        ["plane", "--texture", "alpha.png", "--matrix", TILTED, "--alpha", "blended"], ["render", "fig8", "--alpha", "cut-out"]):
+                        ["plane", "--texture", "alpha.png", "--matrix", TILTED, "--alpha", "blended"], ["render", "fig8", "--alpha", "cut-out"],
+                        ["plane", "--texture", "alpha.png", "--matrix", TILTED, "--srgb"], ["render", "fig9", "--srgb"]):
             pictures = {}
             for kernel, threads in itertools.product(kernels, numbers):
                 done(*subject, "--filter", filter_name, "--size", "130x197", "--kernel", kernel, "--threads", threads, "--out", "o.png", cwd=folder)
@@ -440,6 +441,17 @@ def test_bench(folder):
     # The same filter of the same plane: nearly our picture (null: ours exactly), but for pixman, whose coordinates are coarse.
     others = [r for r in peers if r["drawer"] != "pixman" and r["psnr_ours_db"] is not None]
     assert all(r["psnr_ours_db"] > 30 for r in others), others
+    # In linear light, other colours than as coded, but for nearest; the peers that know it agree with ours.
+    text = done("bench", "--srgb", "--scenes", "tilted", "--filters", "nearest,trilinear", "--profiles", "default", "--size", size, "--repeat", "1", "--json", "l.json", cwd=folder)
+    light = json.loads((folder / "l.json").read_text())
+    assert light["srgb"] and not bench["srgb"] and "linear light" in text, text
+    psnr = done("render", "tilted", "--size", size, "--filter", "trilinear", "--srgb", "--out", "t.png", "--psnr", cwd=folder)
+    rows = [r for r in light["rows"] if r["drawer"] == "spantex" and r["filter"] == "trilinear"]
+    assert len(rows) > 1 and all(f"{r['psnr_db']:.2f} dB" in psnr for r in rows), (rows, psnr)
+    assert len({r["rms_error"] for b in (bench, light) for r in b["rows"] if (r["scene"], r["filter"], r.get("profile")) == ("tilted", "trilinear", "default")}) == 2
+    mesa = [r for r in light["rows"] if r["drawer"] == "llvmpipe"]
+    assert len(mesa) == (2 if "mesa" in built else 0) and all(r["psnr_ours_db"] is None or r["psnr_ours_db"] > 30 for r in mesa), mesa
+    assert not any(r["drawer"] in ("OpenCV", "pixman") and r["filter"] == "trilinear" for r in light["rows"])
     text = done("bench", "--scenes", "facing", "--filters", "all", "--profiles", "seed", "--kernels", "scalar", "--peers", "none", "--size", "8x8", "--repeat", "1", cwd=folder)
     assert all(f" {name} " in text for name in FILTERS) and "contour" not in text, text
     # A plane of one's own, alone and after named ones; a shift by whole texels is everybody's same picture.
