@@ -247,13 +247,17 @@ level read_level(const std::string& name, const bytes& file, const search_path& 
   level l{{name, nullptr, std::move(reader.out), {}, 0}, places_of({reinterpret_cast<const char*>(text.data), text.count}), {}};
   std::map<std::string, int> index_of;  // names stand twice where their flags differ
   map_list maps;
+  std::vector<world_face> faces;
+  faces.reserve(l.drawn.faces.size());
   for (world_face& f : l.drawn.faces) {
     const std::string texture = texture_name(reader.textures, size_t(f.map_index));
     const auto [found, is_new] = index_of.try_emplace(texture, int(maps.size()));
     if (is_new) maps.push_back(map_of(files, texture, options, l));
     f.map_index = found->second;
-    to_texels(f, maps[size_t(f.map_index)].view_on_demand(), name);
+    const texture_view& texels = maps[size_t(f.map_index)].view_on_demand();
+    add_in_texels(faces, std::move(f), texels, name);
   }
+  l.drawn.faces = std::move(faces);
   l.drawn.maps = std::make_shared<const map_list>(std::move(maps));
   const std::vector<std::string> archives = files.archives();
   l.drawn.files.insert(l.drawn.files.end(), archives.begin(), archives.end());

@@ -9,6 +9,7 @@
 #include <math.h>
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <string_view>
 #include <utility>
@@ -97,7 +98,7 @@ double periods_off(double least, wrap mode) {
   return mode == wrap::mirror ? 2 * floor(least / 2) : 0;
 }
 
-world_face to_face(const aiMesh& mesh, const aiFace& f, const texture_map& map, const std::string& path) {
+world_face to_face(const aiMesh& mesh, const aiFace& f, const std::string& path) {
   world_face out{{}, int(mesh.mMaterialIndex)};
   for (unsigned k = 0; k < f.mNumIndices; ++k) {
     const aiVector3D& p = mesh.mVertices[f.mIndices[k]];
@@ -106,7 +107,6 @@ world_face to_face(const aiMesh& mesh, const aiFace& f, const texture_map& map, 
     if (!std::isfinite(uv.x) || !std::isfinite(uv.y)) throw input_error(path + ": a texture coordinate is not a finite number");
     out.corners.push_back({{p.x, p.y, p.z}, uv.x, 1.0 - double(uv.y)});
   }
-  to_texels(out, map.view_on_demand(), path);
   return out;
 }
 
@@ -156,16 +156,64 @@ const aiScene& processed(Assimp::Importer& importer, const aiScene* file, const 
 
 }  // namespace
 
-void to_texels(world_face& face, const texture_view& t, const std::string& path) {
-  double least_u = INFINITY, least_v = INFINITY;
-  for (const world_vertex& c : face.corners) {
-    least_u = std::min(least_u, c.u);
-    least_v = std::min(least_v, c.v);
+namespace {
+
+constexpr double most_texels = 32768;
+constexpr int most_cuts = 1000;  // of a face
+
+using coordinate_of = double world_vertex::*;
+
+// The parts of a face on either side of a line of its map.
+std::array<world_face, 2> cut(const world_face& face, coordinate_of axis, double at) {
+  std::array<world_face, 2> sides{world_face{{}, face.map_index}, world_face{{}, face.map_index}};
+  for (size_t k = 0; k < face.corners.size(); ++k) {
+    const world_vertex &a = face.corners[k], &b = face.corners[(k + 1) % face.corners.size()];
+    if (a.*axis <= at) sides[0].corners.push_back(a);
+    if (a.*axis >= at) sides[1].corners.push_back(a);
+    if ((a.*axis < at) == (b.*axis < at) || a.*axis == at || b.*axis == at) continue;
+    const double t = (at - a.*axis) / (b.*axis - a.*axis);
+    world_vertex between{a.position + (b.position - a.position) * t, a.u + (b.u - a.u) * t, a.v + (b.v - a.v) * t};
+    between.*axis = at;
+    for (world_face& side : sides) side.corners.push_back(between);
   }
-  for (world_vertex& c : face.corners) {
-    c.u = (c.u - periods_off(least_u, t.wrap_u())) * t.width();
-    c.v = (c.v - periods_off(least_v, t.wrap_v())) * t.height();
-    if (!(fabs(c.u) < 32768 && fabs(c.v) < 32768)) throw input_error(path + ": texture coordinates of a face exceed 32768 texels");
+  return sides;
+}
+
+// A coordinate of a face's corners, in widths or heights of the map, whole periods taken off, and what they are multiplied by.
+struct map_axis {
+  coordinate_of of;
+  wrap mode;
+  double side, least = INFINITY, most = -INFINITY, off = 0;
+
+  void look_at(const world_face& face) {
+    least = INFINITY, most = -INFINITY;
+    for (const world_vertex& c : face.corners) {
+      least = std::min(least, c.*of);
+      most = std::max(most, c.*of);
+    }
+    off = periods_off(least, mode);
+  }
+  bool fits() const { return (most - off) * side < most_texels && (least - off) * side > -most_texels; }
+};
+
+}  // namespace
+
+void add_in_texels(std::vector<world_face>& to, world_face whole, const texture_view& t, const std::string& path) {
+  map_axis axes[] = {{&world_vertex::u, t.wrap_u(), double(t.width())}, {&world_vertex::v, t.wrap_v(), double(t.height())}};
+  std::vector<world_face> pieces{std::move(whole)};
+  for (int cuts = 0; !pieces.empty();) {
+    world_face face = std::move(pieces.back());
+    pieces.pop_back();
+    for (map_axis& axis : axes) axis.look_at(face);
+    const map_axis* const beyond = std::find_if(std::begin(axes), std::end(axes), [](const map_axis& axis) { return !axis.fits(); });
+    if (beyond == std::end(axes)) {
+      for (world_vertex& c : face.corners)
+        for (const map_axis& axis : axes) c.*axis.of = (c.*axis.of - axis.off) * axis.side;
+      to.push_back(std::move(face));
+      continue;
+    }
+    if (beyond->mode == wrap::clamp || ++cuts > most_cuts || face.corners.size() >= max_polygon_vertices) throw input_error(path + ": texture coordinates of a face exceed 32768 texels");
+    for (world_face& side : cut(face, beyond->of, (beyond->least + beyond->most) / 2)) pieces.push_back(std::move(side));
   }
 }
 
@@ -183,7 +231,7 @@ world load_model(const std::string& path, const model_options& options) {
     const aiMesh& mesh = *file->mMeshes[k];
     if ((mesh.mPrimitiveTypes & aiPrimitiveType_TRIANGLE) == 0) continue;
     for (unsigned n = 0; n < mesh.mNumFaces; ++n)
-      w.faces.push_back(to_face(mesh, mesh.mFaces[n], maps.at(mesh.mMaterialIndex), path));
+      add_in_texels(w.faces, to_face(mesh, mesh.mFaces[n], path), maps.at(mesh.mMaterialIndex).view_on_demand(), path);
   }
   w.maps = std::make_shared<const map_list>(std::move(maps));
   w.measure();

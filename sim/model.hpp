@@ -27,7 +27,8 @@ struct model_options {
 // texture that is missing or unreadable, a missing material library of an OBJ file.
 world load_model(const std::string& path, const model_options& options);
 
-// Coordinates of a face from widths and heights of its map into texels, whole periods taken off. Throws input_error: beyond 32768 texels.
-void to_texels(world_face& face, const texture_view& map, const std::string& path);
+// Appends a face whose coordinates are widths and heights of its map, in texels, whole periods taken off; cut into as many as it takes for each to stay below 32768 texels. Throws input_error where
+// cutting does not help (a clamped map) or takes more than 1000 cuts.
+void add_in_texels(std::vector<world_face>& to, world_face whole, const texture_view& map, const std::string& path);
 
 }  // namespace spantex::sim

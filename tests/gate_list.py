@@ -473,5 +473,6 @@ GATES = [
     ("checksums of archives not read", "sim/archive.cpp", " || zip_fread(file.get(), &beyond, 1) != 0", "", "quake_level", "what_an_archive*", LEVELS),
     ("walks: balls of faces taken for smaller", "sim/tour.cpp", "reach = f.bound.radius + rounding", "reach = 0.1 * f.bound.radius + rounding", "quake_level", "a_walk*", LEVELS),
     ("walks through any number of places", "sim/tour.cpp", "most = 512", "most = 520", "quake_level", "a_walk*", LEVELS),
+    ("faces beyond the range cut into one part", "sim/model.cpp", "for (world_face& side : sides) side.corners.push_back(between);", "sides[0].corners.push_back(between);", "quake_level", "faces*", LEVELS),
     ("walls that do not stop a walk", "sim/tour.cpp", "u + v <= 1 && t >= 0 && t <= 1", "u + v <= 1 && t >= 0 && t <= 0", "quake_level", "a_walk*", LEVELS),
 ] + KERNEL_GATES

@@ -275,6 +275,51 @@ SPANTEX_CASE(damaged_maps_are_refused) {
   assert_in_range(refusals, 100, 1999);
 }
 
+// A floor of 150 by 70 maps of 512x512, turned: parts that stay below 32768 texels, and each of its points is on one of them, at the place of the map that it had.
+SPANTEX_CASE(faces_beyond_the_range_are_cut) {
+  const auto map_with = [](wrap u, wrap v) { return texture_map(image(512, 512, {1, 2, 3, 255}), prefilter::box, u, v); };
+  const auto at = [](double x, double y) { return world_vertex{{x, 0, y}, 0.3 + 1.5 * x + 0.2 * y, -7.2 - 0.4 * x + 0.7 * y}; };
+  const world_face floor{{at(0, 0), at(100, 0), at(100, 100), at(0, 100)}, 4};
+  const auto is_whole = [](double x) { return fabs(x - round(x)) < 1e-9; };
+  for (const wrap mode : {wrap::repeat, wrap::mirror}) {
+    const texture_map map = map_with(mode, mode);
+    std::vector<world_face> parts;
+    add_in_texels(parts, floor, map.view(), "floor");
+    assert_true(parts.size() > 3 && parts.size() < 20);
+    double area = 0;
+    for (const world_face& part : parts) {
+      assert_int_equal(part.map_index, 4);
+      assert_true(part.corners.size() >= 3 && part.corners.size() <= size_t(max_polygon_vertices));
+      const double period = mode == wrap::mirror ? 1024 : 512;
+      const world_vertex first = part.corners[0], whole = at(first.position[0], first.position[2]);
+      assert_true(is_whole((first.u - whole.u * 512) / period) && is_whole((first.v - whole.v * 512) / period));
+      for (size_t k = 0; k < part.corners.size(); ++k) {
+        const world_vertex &a = part.corners[k], &b = part.corners[(k + 1) % part.corners.size()], of_floor = at(a.position[0], a.position[2]);
+        assert_true(fabs(a.u) < 32768 && fabs(a.v) < 32768);
+        assert_true(fabs((a.u - first.u) - (of_floor.u - whole.u) * 512) < 1e-6 && fabs((a.v - first.v) - (of_floor.v - whole.v) * 512) < 1e-6);
+        area += (a.position[0] * b.position[2] - b.position[0] * a.position[2]) / 2;
+      }
+    }
+    assert_true(fabs(area - 10000) < 1e-6);
+  }
+  const auto refused = [&](const world_face& face, wrap u, wrap v) {
+    std::vector<world_face> parts;
+    try {
+      add_in_texels(parts, face, map_with(u, v).view(), "floor");
+    } catch (const input_error& e) {
+      return std::string(e.what()) == "floor: texture coordinates of a face exceed 32768 texels";
+    }
+    return false;
+  };
+  assert_true(refused(floor, wrap::clamp, wrap::repeat));
+  assert_false(refused({{at(0, 0), at(40, 0), at(0, 40)}, 0}, wrap::clamp, wrap::clamp));
+  for (const double far : {1e7, 1e30, 1e300}) {
+    world_face huge = floor;
+    huge.corners[2].u = far;
+    assert_true(refused(huge, wrap::repeat, wrap::repeat));
+  }
+}
+
 SPANTEX_CASE(triangles_are_counted_before_they_are_made) {
   static folder f;
   static std::string why;
@@ -354,6 +399,7 @@ int main() {
       cmocka_unit_test(frames_of_levels_cost_at_most_three_tenths_more_than_their_visible_pixels),
       cmocka_unit_test(a_map_is_read_with_its_patches_and_places),
       cmocka_unit_test(damaged_maps_are_refused),
+      cmocka_unit_test(faces_beyond_the_range_are_cut),
       cmocka_unit_test(triangles_are_counted_before_they_are_made),
       cmocka_unit_test(what_an_archive_holds_is_as_its_checksum_says),
       cmocka_unit_test(maps_of_an_archive_are_found_in_any_case_and_listed_once),
