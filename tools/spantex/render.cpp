@@ -5,10 +5,12 @@
 #include <chrono>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include <nlohmann/json.hpp>
 
+#include <sim/parallel.hpp>
 #include <sim/quality.hpp>
 #include <sim/reference.hpp>
 #include <sim/unchanged.hpp>
@@ -87,6 +89,36 @@ std::vector<sim::output_file> outputs(const render_options& o, const std::vector
   return files;
 }
 
+// Writes frames in their order, each under its name as soon as it is there. Each thread encodes one, which takes longer than drawing it: as many frames wait as there are threads, or take 64 MB.
+class frame_writer {
+ public:
+  frame_writer(sim::output_files& to, sim::thread_team& team) : to_(to), team_(team) {}
+
+  void write(const sim::output_file& file, sim::image picture) {
+    constexpr size_t most_pixels = size_t(16) << 20;
+    pixels_ += picture.pixels.size();
+    waiting_.push_back({&file, std::move(picture)});
+    if (int(waiting_.size()) == team_.size() || pixels_ >= most_pixels) finish();
+  }
+  void finish() {
+    std::vector<sim::bytes> data(waiting_.size());
+    team_.run(int(data.size()), [&](int k) { data[size_t(k)] = sim::encode_png(waiting_[size_t(k)].picture); });
+    for (size_t k = 0; k < data.size(); ++k) {
+      to_.write(*waiting_[k].file, data[k]);
+      to_.commit();
+    }
+    waiting_.clear();
+    pixels_ = 0;
+  }
+
+ private:
+  struct frame { const sim::output_file* file; sim::image picture; };
+  sim::output_files& to_;
+  sim::thread_team& team_;
+  std::vector<frame> waiting_;
+  size_t pixels_ = 0;
+};
+
 void run(const render_options& o) {
   sim::draw_options drawing = o.drawing.resolve();
   drawing.counted = !o.stats.empty();
@@ -113,20 +145,22 @@ void run(const render_options& o) {
   sim::frame_before before;
   sim::output_files written;
   if (reference.wanted()) written.write(reference, sim::encode_png(sim::rounded(sim::render_reference(scene_of(0), drawing.background, sim::hardware_threads()))));
+  frame_writer in_order(written, team);
   const bool keeps = files.size() > 1 && parse_no_skip(o.drawing.no_skip).unchanged;
   for (size_t k = 0; k < files.size(); ++k) {
     const auto begun = std::chrono::steady_clock::now();
     const sim::scene s = scene_of(k);
     const double set_up_ns = std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now() - begun).count();
-    const sim::draw_result r = draw_with_bar(s, drawing, keeps ? &before : nullptr);
+    sim::draw_result r = draw_with_bar(s, drawing, keeps ? &before : nullptr);
     std::optional<double> psnr_db;
     if (o.psnr) psnr_db = reference_psnr_db(s, r.picture, drawing.background);
     if (k == 0) report = nlohmann::ordered_json::parse(stats_json(r, drawing, psnr_db, subject.textures_missing()));
     if (stats.wanted() && files.size() > 1) frames.push_back(frame_json(s, r, set_up_ns));
-    written.write(files[k], sim::encode_png(r.picture));
-    if (files.size() > 1) written.commit();  // frames as they are drawn
+    if (files.size() > 1) in_order.write(files[k], std::move(r.picture));
+    else written.write(files[k], sim::encode_png(r.picture));
     if (psnr_db) printf("%s: PSNR against the reference: %.2f dB\n", files[k].path().c_str(), *psnr_db);
   }
+  in_order.finish();
   if (!frames.empty()) report["frames"] = frames;
   if (stats.wanted()) written.write(stats, report.dump(2) + "\n");
   written.commit();
