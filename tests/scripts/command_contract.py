@@ -280,6 +280,9 @@ def test_turntable(folder):
     done("render", "fig8", "--size", "40x30", "--frames", "3", "--out", "t-%04d.png", cwd=folder)
     frames = [(folder / f"t-{k:04d}.png").read_bytes() for k in range(3)]
     assert len(set(frames)) == 3 and not (folder / "t-0003.png").exists()
+    for threads in ("2", "3", "8"):  # several encoded at once, some at the end
+        done("render", "fig8", "--size", "40x30", "--frames", "3", "--threads", threads, "--out", threads + "-%d.png", cwd=folder)
+        assert [(folder / f"{threads}-{k}.png").read_bytes() for k in range(3)] == frames, threads
 
 
 def level_bytes(texture):
