@@ -111,4 +111,47 @@ void each_triangle(Draw draw, int count, const rgba8 (&colours)[3]) {
   }
 }
 
+// `count` of them: picture, depths and floors are the engine's.
+inline void draw_triangles(const ready_map& map, filter kind, int count) {
+  const auto each = [&](auto draw) { each_triangle([&](const polygon& p, const colour_forms&) { return draw(p); }, count, {white, white, white}); };
+  by_scalar.reset(scene_width, scene_height);
+  engine_type engine;
+  renderer_type r(engine, prof{}, by_scalar.frame());
+  depths by_engine;
+  each([&](const polygon& p) { return r.draw(p, map.view, kind, by_engine.buffer()); });
+  SPANTEX_ASSERT_OK(r.finish());
+  const draw_counters& want = r.counters();
+  for (const named_kernel& k : every_kernel) {
+    if (kernels::kernel_of(k.which) == nullptr) continue;
+    by_kernel.reset(scene_width, scene_height);
+    engine_type other;
+    renderer_type rest(other, prof{}, by_kernel.frame());
+    depths own;
+    draw_counters counts;
+    each([&](const polygon& p) { return kernels::draw_polygon(kernels::kernel_of(k.which), map.of(k.which), rest, p, map.view, kind, p.box, own.buffer(), by_kernel.frame(), counts); });
+    SPANTEX_ASSERT_OK(rest.finish());
+    if (by_kernel.pixels != by_scalar.pixels) fail_msg("%s, filter %d: not the engine's bytes", k.name, int(kind));
+    assert_true(own == by_engine);
+    assert_int_equal(counts.pixels + rest.counters().pixels, want.pixels);
+    assert_int_equal(counts.spans_total + rest.counters().spans_total, want.spans_total);
+    assert_int_equal(counts.spans_hidden, want.spans_hidden);
+    assert_int_equal(counts.spans_empty, want.spans_empty);
+  }
+}
+
+// Planes at random, of maps of such sides that are wrapped in every way.
+template <size_t Count>
+void draw_random_planes(const int32_t (&sides)[Count][2], colour_space colours) {
+  random_source random(11);
+  for (const auto& side : sides)
+    for (const wrap w : wraps) {
+      const ready_map map(random_map(side[0], side[1]), w, colours);
+      for (const filter kind : filters)
+        for (int k = 0; k < (short_run() ? 2 : 6); ++k) {
+          plane p;
+          if (random_plane(random, {0, 0, 203, 101}, p)) draw_all(p, map, kind, {0, 0, 203, 101}, 203, 101);
+        }
+    }
+}
+
 }  // namespace

@@ -24,16 +24,7 @@ SPANTEX_CASE(ordinary_planes_are_drawn_by_the_kernel_alone) {
 
 SPANTEX_CASE(random_planes_and_maps_of_any_size) {
   static constexpr int32_t sides[][2] = {{512, 512}, {1, 1}, {2, 64}, {8, 8}, {500, 333}, {37, 5}, {1024, 16}, {3, 128}, {496, 80}};
-  random_source random(11);
-  for (const auto& side : sides)
-    for (const wrap w : wraps) {
-      const ready_map map(random_map(side[0], side[1]), w);
-      for (const filter kind : filters)
-        for (int k = 0; k < (short_run() ? 2 : 6); ++k) {
-          plane p;
-          if (random_plane(random, {0, 0, 203, 101}, p)) draw_all(p, map, kind, {0, 0, 203, 101}, 203, 101);
-        }
-    }
+  draw_random_planes(sides, colour_space::coded);
 }
 
 // Aniso with fewer samples than 16.
@@ -407,41 +398,9 @@ SPANTEX_CASE(maps_of_one_colour_are_filled) {
   draw_all(p, map, filter::trilinear, {0, 0, 203, 101}, 203, 101);
 }
 
-// Hundreds of triangles: picture, depths and floors are the engine's.
-template <class Draw>
-void each_triangle(Draw draw) {
-  each_triangle([&](const polygon& p, const colour_forms&) { return draw(p); }, 300, {white, white, white});
-}
-
 SPANTEX_CASE(polygons_with_depth_are_the_same) {
   const ready_map map(random_map(128, 64), wrap::mirror);
-  for (const filter kind : filters) {
-    by_scalar.reset(scene_width, scene_height);
-    engine_type engine;
-    renderer_type r(engine, prof{}, by_scalar.frame());
-    depths by_engine;
-    each_triangle([&](const polygon& p) { return r.draw(p, map.view, kind, by_engine.buffer()); });
-    SPANTEX_ASSERT_OK(r.finish());
-    const draw_counters& want = r.counters();
-    for (const named_kernel& k : every_kernel) {
-      if (kernels::kernel_of(k.which) == nullptr) continue;
-      by_kernel.reset(scene_width, scene_height);
-      engine_type other;
-      renderer_type rest(other, prof{}, by_kernel.frame());
-      depths own;
-      draw_counters counts;
-      each_triangle([&](const polygon& p) {
-        return kernels::draw_polygon(kernels::kernel_of(k.which), map.of(k.which), rest, p, map.view, kind, p.box, own.buffer(), by_kernel.frame(), counts);
-      });
-      SPANTEX_ASSERT_OK(rest.finish());
-      if (by_kernel.pixels != by_scalar.pixels) fail_msg("%s, filter %d: not the engine's bytes", k.name, int(kind));
-      assert_true(own == by_engine);
-      assert_int_equal(counts.pixels + rest.counters().pixels, want.pixels);
-      assert_int_equal(counts.spans_total + rest.counters().spans_total, want.spans_total);
-      assert_int_equal(counts.spans_hidden, want.spans_hidden);
-      assert_int_equal(counts.spans_empty, want.spans_empty);
-    }
-  }
+  for (const filter kind : filters) draw_triangles(map, kind, 300);
 }
 
 }  // namespace
