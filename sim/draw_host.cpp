@@ -58,7 +58,10 @@ int span_rows(const scene& s) { return (s.size.height_px + span_side - 1) / span
 
 // Planes that kernels plan as a whole, bands that are high enough. Their rows cost alike.
 bool planned_as_a_whole(const scene& s, const draw_options& o) {
-  return kernel_draws(o) && std::all_of(s.items.begin(), s.items.end(), [&](const drawable& item) { return !item.is_polygon && kernels::upright_plane::plans(item.shape.map, o.kind); });
+  const auto is_planned = [&](const drawable& item) {
+    return !item.is_polygon && kernels::upright_plane::plans(item.shape.map, o.kind) && (o.kind == filter::nearest || s.map_of(item).view_on_demand().colours() == colour_space::coded);
+  };
+  return kernel_draws(o) && std::all_of(s.items.begin(), s.items.end(), is_planned);
 }
 
 // Bands of the picture; each thread's first one, and the end.

@@ -12,6 +12,7 @@
 #include <array>
 #include <filesystem>
 #include <string_view>
+#include <tuple>
 #include <utility>
 
 namespace spantex::sim {
@@ -158,8 +159,8 @@ const aiScene& processed(Assimp::Importer& importer, const aiScene* file, const 
 
 namespace {
 
-constexpr double most_texels = 32768;
-constexpr int most_cuts = 1000;  // of a face
+constexpr double most_texels = 32768, most_parts = 1024;  // of a face
+constexpr size_t most_cut_faces = size_t(1) << 20;        // of a world, 1.5 GB
 
 using coordinate_of = double world_vertex::*;
 
@@ -171,8 +172,9 @@ std::array<world_face, 2> cut(const world_face& face, coordinate_of axis, double
     if (a.*axis <= at) sides[0].corners.push_back(a);
     if (a.*axis >= at) sides[1].corners.push_back(a);
     if ((a.*axis < at) == (b.*axis < at) || a.*axis == at || b.*axis == at) continue;
-    const double t = (at - a.*axis) / (b.*axis - a.*axis);
-    world_vertex between{a.position + (b.position - a.position) * t, a.u + (b.u - a.u) * t, a.v + (b.v - a.v) * t};
+    const auto& [low, high] = a.*axis < b.*axis ? std::tie(a, b) : std::tie(b, a);  // the same point from either end
+    const double t = (at - low.*axis) / (high.*axis - low.*axis);
+    world_vertex between{low.position + (high.position - low.position) * t, low.u + (high.u - low.u) * t, low.v + (high.v - low.v) * t};
     between.*axis = at;
     for (world_face& side : sides) side.corners.push_back(between);
   }
@@ -194,26 +196,45 @@ struct map_axis {
     off = periods_off(least, mode);
   }
   bool fits() const { return (most - off) * side < most_texels && (least - off) * side > -most_texels; }
+  // Faces that do not fit are cut at multiples of this, the same for all of them, so that neighbours have the same corners: as many periods, of mirrored maps too, as fit.
+  double step() const { return 2 * floor((most_texels - 1) / side / 2); }
+  double parts() const { return floor(most / step()) - floor(least / step()) + 1; }
 };
 
 }  // namespace
 
 void add_in_texels(std::vector<world_face>& to, world_face whole, const texture_view& t, const std::string& path) {
   map_axis axes[] = {{&world_vertex::u, t.wrap_u(), double(t.width())}, {&world_vertex::v, t.wrap_v(), double(t.height())}};
+  double parts = 1;
+  for (map_axis& axis : axes) {
+    axis.look_at(whole);
+    if (axis.fits()) continue;
+    parts *= axis.parts();
+    if (axis.mode == wrap::clamp || !(parts <= most_parts)) throw input_error(path + ": texture coordinates of a face exceed 32768 texels");
+  }
+  if (parts > 1 && to.size() + size_t(parts) > most_cut_faces) throw input_error(path + ": more than 2^20 faces, cut where their texture coordinates exceed 32768 texels");
   std::vector<world_face> pieces{std::move(whole)};
-  for (int cuts = 0; !pieces.empty();) {
-    world_face face = std::move(pieces.back());
-    pieces.pop_back();
-    for (map_axis& axis : axes) axis.look_at(face);
-    const map_axis* const beyond = std::find_if(std::begin(axes), std::end(axes), [](const map_axis& axis) { return !axis.fits(); });
-    if (beyond == std::end(axes)) {
-      for (world_vertex& c : face.corners)
-        for (const map_axis& axis : axes) c.*axis.of = (c.*axis.of - axis.off) * axis.side;
-      to.push_back(std::move(face));
-      continue;
+  for (const map_axis& axis : axes) {
+    if (axis.fits()) continue;
+    std::vector<world_face> strips;
+    for (world_face& rest : pieces) {
+      map_axis own = axis;
+      own.look_at(rest);
+      for (double n = floor(own.least / own.step()) + 1; n * own.step() < own.most; ++n) {
+        auto [strip, next] = cut(rest, own.of, n * own.step());
+        strips.push_back(std::move(strip));
+        rest = std::move(next);
+      }
+      strips.push_back(std::move(rest));
     }
-    if (beyond->mode == wrap::clamp || ++cuts > most_cuts || face.corners.size() >= max_polygon_vertices) throw input_error(path + ": texture coordinates of a face exceed 32768 texels");
-    for (world_face& side : cut(face, beyond->of, (beyond->least + beyond->most) / 2)) pieces.push_back(std::move(side));
+    pieces = std::move(strips);
+  }
+  for (world_face& face : pieces) {
+    for (map_axis& axis : axes) {
+      axis.look_at(face);
+      for (world_vertex& c : face.corners) c.*axis.of = (c.*axis.of - axis.off) * axis.side;
+    }
+    to.push_back(std::move(face));
   }
 }
 

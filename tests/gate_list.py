@@ -474,5 +474,6 @@ GATES = [
     ("walks: balls of faces taken for smaller", "sim/tour.cpp", "reach = f.bound.radius + rounding", "reach = 0.1 * f.bound.radius + rounding", "quake_level", "a_walk*", LEVELS),
     ("walks through any number of places", "sim/tour.cpp", "most = 512", "most = 520", "quake_level", "a_walk*", LEVELS),
     ("faces beyond the range cut into one part", "sim/model.cpp", "for (world_face& side : sides) side.corners.push_back(between);", "sides[0].corners.push_back(between);", "quake_level", "faces*", LEVELS),
+    ("faces cut where each of them begins", "sim/model.cpp", "cut(rest, own.of, n * own.step());", "cut(rest, own.of, n * own.step() + 0.3 * (own.least - floor(own.least)));", "quake_level", "cut_faces*", LEVELS),
     ("walls that do not stop a walk", "sim/tour.cpp", "u + v <= 1 && t >= 0 && t <= 1", "u + v <= 1 && t >= 0 && t <= 0", "quake_level", "a_walk*", LEVELS),
 ] + KERNEL_GATES

@@ -1,4 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-// The same in linear light.
+// avx2.cpp, in linear light.
 #define SPANTEX_LINEAR 1
 #include "avx2.cpp"

@@ -26,8 +26,9 @@ planar_map::planar_map(const texture_view& view, layout of)
       period_v_(period(wrap_v_, height_)) {
   levels_in_rows_ = row_levels(view, of == layout::rows_and_blocks ? texel_apron : row_apron);
   opaque_ = levels_in_rows_.opaque();
+  if (levels_in_rows_.linear_light()) return;
   if (of == layout::rows_and_planes && levels_in_rows_.masks_only()) planes_ = byte_planes(view, levels_in_rows_.count(), opaque_ ? 3 : 4);
-  if (of == layout::rows_and_blocks && !levels_in_rows_.linear_light()) add_blocks(view);
+  if (of == layout::rows_and_blocks) add_blocks(view);
 }
 
 void planar_map::add_blocks(const texture_view& view) {

@@ -31,7 +31,7 @@ struct alignas(64) planar_levels {
   int32_t ratio_u[max_planar_levels] = {}, ratio_v[max_planar_levels] = {};            // texture_view::ratio_u(); 1, which is 2^31, as 2^30
 };
 
-// What a kernel reads: all levels in rows; and of maps whose axes wrap at powers of two, planes of bytes; or blocks, and a wide apron around the rows.
+// What a kernel reads: all levels in rows; and of maps whose axes wrap at powers of two, planes of bytes; or blocks, and a wide apron around the rows. Of sRGB maps rows alone.
 enum class layout : uint8_t { rows, rows_and_planes, rows_and_blocks };
 
 // A period is what positions may be taken modulo: the side, twice the side for mirror; 0 for clamp, where blocks are clamped instead.
@@ -39,11 +39,11 @@ class planar_map {
  public:
   explicit planar_map(const texture_view& view, layout of = layout::rows);
   planar_map(planar_map&&) = default;  // and no copy: the blocks are aligned where they are
-  const planar_levels& levels() const { return levels_; }
-  const uint8_t* blocks() const { return blocks_.data() + skew_; }  // 64-byte aligned; values are texels ^ 0x80, signed bytes
+  const planar_levels& levels() const { return levels_; }    // where there are blocks
+  const uint8_t* blocks() const { return blocks_.data() + skew_; }  // 64-byte aligned; values are texels ^ 0x80, signed bytes; none but for layout::rows_and_blocks of coded maps
   const rgba8* row(int32_t y) const { return levels_in_rows_.row(0, y); }  // of level 0; layout::rows_and_blocks: x and y from -texel_apron
   const row_levels& levels_in_rows() const { return levels_in_rows_; }
-  const byte_planes& planes() const { return planes_; }   // empty but for layout::rows_and_planes
+  const byte_planes& planes() const { return planes_; }   // empty but for layout::rows_and_planes of coded maps
   bool opaque() const { return opaque_; }                 // every texel of every level that is held has alpha 255
   int32_t row_stride() const { return levels_in_rows_.stride(0); }
   int32_t rows_across() const { return levels_in_rows_.columns(0); }

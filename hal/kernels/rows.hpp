@@ -84,7 +84,7 @@ status draw_rows(row_kernel kernel, const planar_map& texels, Renderer& scalar, 
 
 }  // namespace detail
 
-// Draws the part of the plane in front of the viewer inside `area` of the frame. `texels` is made of the view `t`; profile default but for max_samples, colours as coded. `scalar` must
+// Draws the part of the plane in front of the viewer inside `area` of the frame. `texels` is made of the view `t`; profile default but for max_samples. `scalar` must
 // hold nothing that is still computing, and holds nothing afterwards; `kind` is one that draws(). Maps whose texels are opaque are drawn so whatever their facts say: nothing of them
 // counts as blended. Spans looked at are counted in `counts`, and jobs and pixels of the kernel; those of the rest in the renderer's own counters.
 template <class Renderer>

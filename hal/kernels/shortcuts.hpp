@@ -14,7 +14,7 @@ struct shortcut {
   int32_t u = 0, v = 0;  // copy: pixel (x, y) is texel (x + u, y + v) of level 0, wrapped
 };
 
-// Of a surface by a filter that draws(), colours as coded, for all spans that `area` touches; what write-out does comes after.
+// Of a surface by a filter that draws(), for all spans that `area` touches; what write-out does comes after. In linear light too, where a code that is decoded, weighted by 1 and encoded is itself.
 shortcut shortcut_of(const surface& s, const planar_map& texels, rectangle area);
 
 // Draws all spans of the row.

@@ -1,4 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-// The same in linear light.
+// sse41.cpp, in linear light.
 #define SPANTEX_LINEAR 1
 #include "sse41.cpp"

@@ -428,7 +428,7 @@ CASES = [
     (["bench", "--draws-only"], ["--counts"]),
     (["bench", "--counts", "--scenes", "far"], ["--counts", "--scenes"]),
     (["bench", "--counts", "--matrix", "1,0,0,0,1,0,0,0,1"], ["--counts", "--matrix"]),
-    (["bench", "--counts", "--growth"], ["--counts", "--growth"]), (["bench", "--counts", "--srgb"], ["--counts", "--srgb"]),
+    (["bench", "--counts", "--growth"], ["--counts", "--growth"]), (["bench", "--counts", "--srgb"], ["--counts", "--srgb"]), (["bench", "--growth", "--srgb"], ["--growth", "--srgb"]),
     (["bench", "--counts", "--json", "counts.json"], ["--counts", "--json"]),
 ]
 

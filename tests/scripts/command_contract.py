@@ -172,7 +172,7 @@ def test_every_kernel_draws_the_same_on_any_number_of_threads(folder):
         for subject in (["plane", "--texture", "map.png", "--matrix", HORIZON], ["plane", "--texture", "map.png", "--matrix", TILTED],
                         ["plane", "--texture", "map.png", "--matrix", SCALED], ["render", "fig8"], ["render", "fig9"],
                         ["plane", "--texture", "alpha.png", "--matrix", TILTED, "--alpha", "blended"], ["render", "fig8", "--alpha", "cut-out"],
-                        ["plane", "--texture", "alpha.png", "--matrix", TILTED, "--srgb"], ["render", "fig9", "--srgb"]):
+                        ["plane", "--texture", "alpha.png", "--matrix", TILTED, "--srgb", "--alpha", "premultiplied"], ["render", "fig9", "--srgb"]):
             pictures = {}
             for kernel, threads in itertools.product(kernels, numbers):
                 done(*subject, "--filter", filter_name, "--size", "130x197", "--kernel", kernel, "--threads", threads, "--out", "o.png", cwd=folder)
@@ -347,6 +347,10 @@ def test_levels(folder):
     for name in ("crlf.path", "/dev/stdin"):
         subprocess.run([str(BINARY), *level, "--path", name, "--out", "q%d.png"], input=(folder / "p.path").read_bytes(), cwd=folder, check=True)
         assert all((folder / f"q{k}.png").read_bytes() == (folder / f"p{k}.png").read_bytes() for k in (0, 1)), name
+    (folder / "bad.path").write_text("40,50,-128,200,50,-128\n40,50,-128,40,50,-128\n")  # a camera at its own target: the frame before it stays
+    for threads in ("1", "3"):
+        failed = run(*level, "--path", "bad.path", "--out", threads + "b%d.png", "--threads", threads, cwd=folder)
+        assert failed.returncode == 2 and (folder / f"{threads}b0.png").read_bytes() == (folder / "p0.png").read_bytes() and not (folder / f"{threads}b1.png").exists(), failed
     (folder / "away.path").write_text(2 * "9000,9000,9000,9100,9000,9000\n")
     done(*level, "--path", "away.path", "--out", "a%d.png", "--stats", "a.json", cwd=folder)
     away, _ = json.loads((folder / "a.json").read_text())["frames"]

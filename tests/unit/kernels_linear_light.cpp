@@ -38,6 +38,13 @@ SPANTEX_CASE(dark_maps) {
     for (int k = 0; k < 3; ++k) draw_all(sample_plane(k), map, kind, {0, 0, 640, 480}, 640, 480);
 }
 
+// Every pixel another number: magnified, so that weights take all their values.
+SPANTEX_CASE(numbers_of_every_size) {
+  const ready_map map = srgb_map(random_map(64, 64), wrap::repeat);
+  const rectangle all{0, 0, 1024, 1024};
+  draw_all(upright_plane(0.3, 0.7, 1 / 127.0, 1 / 129.0, all), map, filter::bilinear, all, 1024, 1024);
+}
+
 SPANTEX_CASE(black_and_white) {
   const ready_map map = srgb_map(make_map(256, 128, [](int32_t x, int32_t y) {
     const auto one = [&](int32_t k) { return uint8_t(((x * 7 + y * (k + 3)) / (k + 2)) % 2 * 255); };
@@ -92,6 +99,7 @@ int main() {
       cmocka_unit_test(every_number_has_its_code),
       cmocka_unit_test(ordinary_planes_are_drawn_by_the_kernel_alone),
       cmocka_unit_test(dark_maps),
+      cmocka_unit_test(numbers_of_every_size),
       cmocka_unit_test(black_and_white),
       cmocka_unit_test(random_planes_and_maps_of_any_size),
       cmocka_unit_test(rows_of_any_number_of_samples),

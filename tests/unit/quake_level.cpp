@@ -302,21 +302,44 @@ SPANTEX_CASE(faces_beyond_the_range_are_cut) {
     }
     assert_true(fabs(area - 10000) < 1e-6);
   }
-  const auto refused = [&](const world_face& face, wrap u, wrap v) {
-    std::vector<world_face> parts;
+  const auto refused = [&](const world_face& face, wrap u, wrap v, const std::string& why = "texture coordinates of a face exceed 32768 texels", size_t before = 0) {
+    std::vector<world_face> parts(before);
     try {
       add_in_texels(parts, face, map_with(u, v).view(), "floor");
     } catch (const input_error& e) {
-      return std::string(e.what()) == "floor: texture coordinates of a face exceed 32768 texels";
+      return e.what() == "floor: " + why;
     }
     return false;
   };
+  constexpr size_t most = 1 << 20;
+  assert_true(refused(floor, wrap::repeat, wrap::repeat, "more than 2^20 faces, cut where their texture coordinates exceed 32768 texels", most - 3));
+  assert_false(refused({{at(0, 0), at(40, 0), at(0, 40)}, 0}, wrap::repeat, wrap::repeat, "", most));
   assert_true(refused(floor, wrap::clamp, wrap::repeat));
   assert_false(refused({{at(0, 0), at(40, 0), at(0, 40)}, 0}, wrap::clamp, wrap::clamp));
   for (const double far : {1e7, 1e30, 1e300}) {
     world_face huge = floor;
     huge.corners[2].u = far;
     assert_true(refused(huge, wrap::repeat, wrap::repeat));
+  }
+}
+
+// A floor of two triangles, cut into hundreds: seen from anywhere above, nothing shows through.
+SPANTEX_CASE(cut_faces_leave_no_holes) {
+  const auto at = [](double x, double y) { return world_vertex{{x, 0, y}, 0.3 + 9.1 * x + 0.4 * y, -7.2 - 0.8 * x + 3.3 * y}; };
+  world w{"floor", nullptr, {}, {}, 0};
+  map_list maps;
+  maps.emplace_back(image(512, 512, {255, 255, 255, 255}), prefilter::box, wrap::repeat, wrap::repeat);
+  for (const world_face& half : {world_face{{at(0, 0), at(100, 0), at(100, 100)}, 0}, world_face{{at(0, 0), at(100, 100), at(0, 100)}, 0}}) add_in_texels(w.faces, half, maps[0].view(), "floor");
+  assert_true(w.faces.size() > 50);
+  w.maps = std::make_shared<const map_list>(std::move(maps));
+  w.measure();
+  random_source random(3);
+  for (int k = 0; k < 40; ++k) {
+    const auto within = [&](double low, double high) { return low + (high - low) * double(random.between(0, 1000)) / 1000; };
+    camera_options c;
+    c.eye = vector3d{within(30, 70), within(1, 12), within(30, 70)};
+    c.target = vector3d{(*c.eye)[0] + within(-2, 2), 0, (*c.eye)[2] + within(-2, 2)};
+    assert_int_equal(overdraw_of(look_at(w, c, {640, 480})).pixels_shown, 640 * 480);
   }
 }
 
@@ -400,6 +423,7 @@ int main() {
       cmocka_unit_test(a_map_is_read_with_its_patches_and_places),
       cmocka_unit_test(damaged_maps_are_refused),
       cmocka_unit_test(faces_beyond_the_range_are_cut),
+      cmocka_unit_test(cut_faces_leave_no_holes),
       cmocka_unit_test(triangles_are_counted_before_they_are_made),
       cmocka_unit_test(what_an_archive_holds_is_as_its_checksum_says),
       cmocka_unit_test(maps_of_an_archive_are_found_in_any_case_and_listed_once),

@@ -131,9 +131,9 @@ void print_growth(const std::vector<growth_curve>& curves) {
   for (const growth_curve& c : curves) printf("%-26s %-36s %6.2f %6.2f\n", c.of.c_str(), c.drawer.c_str(), c.time_slope, c.words_slope);
 }
 
-std::vector<sim::scene> scenes_of(const bench_options& o, colour_space colours) {
+std::vector<sim::scene> scenes_of(const bench_options& o) {
   bench_maps maps = o.maps;
-  maps.colours = colours;
+  maps.colours = o.srgb ? colour_space::srgb : colour_space::coded;
   const sim::screen_size size = parse_size(o.size);
   const bool all = o.scenes.empty() ? o.matrix.empty() : o.scenes == std::vector<std::string>{"all"};
   const std::vector<std::string> names = all ? bench_scene_names() : o.scenes;
@@ -149,7 +149,7 @@ void measure(const bench_options& o) {
   check_outputs({{"--json", o.out}}, {o.maps.texture});
   const sim::output_file out = wanted_output(o.out);
   const peer_list peers = load_peers(o.peers);
-  const std::vector<sim::scene> scenes = scenes_of(o, o.srgb ? colour_space::srgb : colour_space::coded);
+  const std::vector<sim::scene> scenes = scenes_of(o);
   const bench_machine machine = this_machine();
   std::vector<bench_row> rows;
   std::vector<growth_curve> curves;
@@ -192,12 +192,12 @@ void add_bench_command(CLI::App& app) {
       sub.add_option("--peers", o->peers, "files of the folder peers beside this command, or all, or none")->delimiter(',')->capture_default_str(),
       sub.add_option("--matrix", o->matrix, "a plane of your own, as of `spantex plane`, named matrix; after the scenes of --scenes, where they are named"),
       sub.add_option("--texture", o->maps.texture, "map of the planes, a picture, instead of a built-in one"),
-      sub.add_flag("--srgb", o->srgb, "maps are sRGB: levels and filters in linear light; peers that know it"),
       sub.add_option("--models", o->maps.models, "folder of assimp's test models")->capture_default_str(),
       sub.add_option("--size", o->size, "picture size, WxH")->capture_default_str(),
       sub.add_option("--samples", o->samples, "ours, filter aniso: at most so many samples along a footprint, 1..16" + unless_given(std::to_string(profiles::standard.max_samples))),
       sub.add_option("--repeat", o->rounds, "turns of each, 1.." + std::to_string(most_rounds) + "; of slow ones (20 ms a picture) three at most")->capture_default_str(),
       sub.add_flag("--growth", o->growth, "also how cost grows with pixels, polygons, map size and overdraw"),
+      sub.add_flag("--srgb", o->srgb, "maps are sRGB: levels and filters in linear light; peers that know it")->excludes("--growth"),
       sub.add_option("--json", o->out, "everything measured, as JSON"),
   };
   CLI::Option* const counts = sub.add_flag("--counts", o->counts, "no clock: counts of work on fixed scenes, for baselines; nothing else is chosen then");

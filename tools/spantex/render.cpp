@@ -89,30 +89,44 @@ std::vector<sim::output_file> outputs(const render_options& o, const std::vector
   return files;
 }
 
-// Writes frames in their order, each under its name as soon as it is there. Each thread encodes one, which takes longer than drawing it: as many frames wait as there are threads, or take 64 MB.
+void print_psnr(const sim::output_file& file, std::optional<double> psnr_db) {
+  if (psnr_db) printf("%s: PSNR against the reference: %.2f dB\n", file.path().c_str(), *psnr_db);
+}
+
+// Writes frames in their order under their names, as many at a time as there are threads, or take 64 MB: each thread encodes one, which takes longer than drawing it.
 class frame_writer {
  public:
   frame_writer(sim::output_files& to, sim::thread_team& team) : to_(to), team_(team) {}
+  frame_writer(const frame_writer&) = delete;
+  frame_writer& operator=(const frame_writer&) = delete;
+  // Where a frame fails those before it are there.
+  ~frame_writer() {
+    try {
+      finish();
+    } catch (...) {
+    }
+  }
 
-  void write(const sim::output_file& file, sim::image picture) {
+  void write(const sim::output_file& file, sim::image picture, std::optional<double> psnr_db) {
     constexpr size_t most_pixels = size_t(16) << 20;
     pixels_ += picture.pixels.size();
-    waiting_.push_back({&file, std::move(picture)});
+    waiting_.push_back({&file, std::move(picture), psnr_db});
     if (int(waiting_.size()) == team_.size() || pixels_ >= most_pixels) finish();
   }
   void finish() {
-    std::vector<sim::bytes> data(waiting_.size());
-    team_.run(int(data.size()), [&](int k) { data[size_t(k)] = sim::encode_png(waiting_[size_t(k)].picture); });
-    for (size_t k = 0; k < data.size(); ++k) {
-      to_.write(*waiting_[k].file, data[k]);
-      to_.commit();
-    }
-    waiting_.clear();
+    const std::vector<frame> frames = std::exchange(waiting_, {});
     pixels_ = 0;
+    std::vector<sim::bytes> data(frames.size());
+    team_.run(int(data.size()), [&](int k) { data[size_t(k)] = sim::encode_png(frames[size_t(k)].picture); });
+    for (size_t k = 0; k < data.size(); ++k) {
+      to_.write(*frames[k].file, data[k]);
+      to_.commit();
+      print_psnr(*frames[k].file, frames[k].psnr_db);
+    }
   }
 
  private:
-  struct frame { const sim::output_file* file; sim::image picture; };
+  struct frame { const sim::output_file* file; sim::image picture; std::optional<double> psnr_db; };
   sim::output_files& to_;
   sim::thread_team& team_;
   std::vector<frame> waiting_;
@@ -156,9 +170,12 @@ void run(const render_options& o) {
     if (o.psnr) psnr_db = reference_psnr_db(s, r.picture, drawing.background);
     if (k == 0) report = nlohmann::ordered_json::parse(stats_json(r, drawing, psnr_db, subject.textures_missing()));
     if (stats.wanted() && files.size() > 1) frames.push_back(frame_json(s, r, set_up_ns));
-    if (files.size() > 1) in_order.write(files[k], std::move(r.picture));
-    else written.write(files[k], sim::encode_png(r.picture));
-    if (psnr_db) printf("%s: PSNR against the reference: %.2f dB\n", files[k].path().c_str(), *psnr_db);
+    if (files.size() > 1) {
+      in_order.write(files[k], std::move(r.picture), psnr_db);
+      continue;
+    }
+    written.write(files[k], sim::encode_png(r.picture));
+    print_psnr(files[k], psnr_db);
   }
   in_order.finish();
   if (!frames.empty()) report["frames"] = frames;

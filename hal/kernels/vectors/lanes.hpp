@@ -69,7 +69,7 @@ SPANTEX_INLINE v_64 up_by(v_64 x, int n) {
   return x << n;
 }
 
-// What texels become before a span's pixels are written: pixels. linear_light.hpp has its own.
+// What texels become first: pixels at once, with nothing left to finish. linear_light.hpp has its own.
 using unfinished = v;
 constexpr bool finishes_later = false;
 SPANTEX_INLINE v finished(v x) { return x; }

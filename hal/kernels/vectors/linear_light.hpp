@@ -65,7 +65,7 @@ SPANTEX_INLINE v pairs_at(const linear_texel* from, const uint32_t* at) {
 struct blends { v pixel[4]; };
 constexpr int blend_fraction = 2 * q.subtexel_bits;
 
-// fraction: u in the lower half of each lane, v in the upper, of 128. Texels lie around 0, so that products of words do; weights add up to 2^14, and what was taken off is added with them.
+// fraction: u in the lower half of each lane, v in the upper, of 128. Texels are less 2^15, so that they are signed words; weights add up to 2^14, and 2^15 2^14 is added back.
 SPANTEX_INLINE blends blend(const linear_texel* top, const uint32_t* top_at, const linear_texel* bottom, const uint32_t* bottom_at, v fraction) {
   const v_unsigned u = v_unsigned((fraction & 0xFFFF) | (fraction << 16)), rows = v_unsigned((fraction & int32_t(0xFFFF0000)) | (128 - (fraction >> 16)));
   const v right = v(rows * u), left = v((rows << q.subtexel_bits) - v_unsigned(right));
