@@ -43,10 +43,12 @@ struct map_pixels {
   }
 };
 
+// From -size to size.
+wide some(int64_t size) { return wide(int64_t(random_bits()) * (size >> 10) / (int64_t(1) << 20) - size); }
+
 // From magnified to minified, flat to steep: affine spans, every length of series, and the divide.
 plane plane_of(int k) {
   const int64_t one = int64_t(1) << 30, scale = one >> (k % 3), steep = (one / 64) * (k / 3) / 4;
-  const auto some = [&](int64_t size) { return wide(int64_t(random_bits()) * size / (int64_t(1) << 30) - size); };
   plane p;
   const homography m{wide(2 * scale), some(scale), some(100 * one), some(scale), wide(3 * scale), some(100 * one), some(steep / 4), wide(steep / 2), wide(one)};
   if (make_plane(m, all, p) != status::ok) std::abort();
@@ -56,7 +58,6 @@ plane plane_of(int k) {
 // Scaled along its axes, magnified to minified.
 plane scaled_plane_of(int k) {
   const int64_t one = int64_t(1) << 30;
-  const auto some = [&](int64_t size) { return wide(int64_t(random_bits()) * size / (int64_t(1) << 30) - size); };
   const wide none(0);
   plane p;
   if (make_plane({some(one << (k % 4)), none, some(100 * one), none, some(one << (k % 3)), some(100 * one), none, none, wide(one)}, all, p) != status::ok) std::abort();
