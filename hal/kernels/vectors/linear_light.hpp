@@ -79,7 +79,7 @@ SPANTEX_INLINE blends blend(const linear_texel* top, const uint32_t* top_at, con
 
 // Halves to even.
 SPANTEX_INLINE v rounded_to_even(v x, int bits) { return (x + ((1 << (bits - 1)) - 1) + ((x >> bits) & 1)) >> bits; }
-// The same in a lane's upper half. (A whole number is odd after what is less than a half is added if it was before, or else its fraction is too small to tell.)
+// The same in a lane's upper half. Whether the number is odd is asked after 2^15 - 1 is added: that carries only above a half, where one more does not carry again.
 SPANTEX_INLINE v upper_half_to_even(v x, int bits) {
   const v_32 y = (v_32(x) << (16 - bits)) + 0x7FFF;
 #if SPANTEX_AVX512
