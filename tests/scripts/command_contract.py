@@ -178,6 +178,11 @@ def test_every_kernel_draws_the_same_on_any_number_of_threads(folder):
                 done(*subject, "--filter", filter_name, "--size", "130x197", "--kernel", kernel, "--threads", threads, "--out", "o.png", cwd=folder)
                 pictures.setdefault((folder / "o.png").read_bytes(), []).append((kernel, threads))
             assert len(pictures) == 1, (filter_name, subject, list(pictures.values()))
+    widest = set()  # rows of as many spans as there may be
+    for kernel in kernels:
+        done("plane", "--texture", "alpha.png", "--matrix", TILTED, "--alpha", "blended", "--srgb", "--filter", "bilinear", "--size", "4096x9", "--kernel", kernel, "--out", "o.png", cwd=folder)
+        widest.add((folder / "o.png").read_bytes())
+    assert len(widest) == 1
 
 
 def test_culling_leaves_the_picture_of_a_closed_model(folder):
