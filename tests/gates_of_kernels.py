@@ -44,6 +44,7 @@ KERNEL_GATES = [
     ("vector kernels: sixteen samples whatever is asked for", "hal/kernels/vectors/aniso.hpp", "set(work.most_ratio)), set(0))", "set(4 << 16)), set(0))", "kernels", "rows_of_fewer*", KERNELS),
     ("a vector kernel's rows as long as they like", "hal/kernels/vectors/aniso.hpp", "limit - reach_of(c)", "8192", "kernels", "rows_beyond*", KERNELS),
     ("a vector kernel's texels before the division", "hal/kernels/vectors/common.hpp", "extent + (extent >> (-1 - c.slope_log2)) + 1", "extent", "kernels", "texels_after*", KERNELS),
+    ("sRGB maps: green decoded as red", "hal/kernels/row_levels.cpp", "centred(srgb_decoded(t.g))", "centred(srgb_decoded(t.r))", "kernels_linear_light", "ordinary*", KERNELS),
     ("kernels in linear light: halves always up", "hal/kernels/vectors/linear_light.hpp", "return v(y + (y >> 16 & 1));", "return v(y + 1);", "kernels_linear_light", "dark_maps", KERNELS),
     ("kernels in linear light: samples' halves always up", "hal/kernels/vectors/linear_light.hpp", "((1 << (bits - 1)) - 1) + ((x >> bits) & 1)", "(1 << (bits - 1))", "kernels_linear_light", "dark_maps", KERNELS),
     ("kernels in linear light: alpha taken for light", "hal/kernels/vectors/linear_light.hpp", "(codes_of(of.first, of.second) & ~alpha) | ((of.first | (of.second << 8)) & alpha)", "codes_of(of.first, of.second)", "kernels_linear_light", "black*", KERNELS),
