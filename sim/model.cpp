@@ -155,10 +155,6 @@ const aiScene& processed(Assimp::Importer& importer, const aiScene* file, const 
   throw input_error(path + ": cannot read model: " + one_line(importer.GetErrorString()));
 }
 
-}  // namespace
-
-namespace {
-
 constexpr double most_texels = 32768, most_parts = 1024;  // of a face
 constexpr size_t most_cut_faces = size_t(1) << 20;        // of a world, 1.5 GB
 

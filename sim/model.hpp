@@ -28,7 +28,7 @@ struct model_options {
 world load_model(const std::string& path, const model_options& options);
 
 // Appends a face of 3 or 4 corners whose coordinates are widths and heights of its map, in texels, whole periods taken off; where they exceed 32768 texels it is cut along lines of the map, the same
-// lines for every face. Throws input_error where that does not help (a clamped map), takes more than 1024 parts, or makes more than 2^20 faces.
+// lines for every face that is cut. Throws input_error where that does not help (a clamped map), takes more than 1024 parts, or makes more than 2^20 faces.
 void add_in_texels(std::vector<world_face>& to, world_face whole, const texture_view& map, const std::string& path);
 
 }  // namespace spantex::sim

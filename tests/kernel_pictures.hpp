@@ -154,4 +154,23 @@ void draw_random_planes(const int32_t (&sides)[Count][2], colour_space colours) 
     }
 }
 
+// One span of a hundred at most is left to the engine.
+inline void draw_ordinary_planes(colour_space colours) {
+  for (const wrap w : {wrap::repeat, wrap::mirror}) {
+    const ready_map map(random_map(512, 512), w, colours);
+    for (const filter kind : filters)
+      for (int k = 0; k < 3; ++k) draw_all(sample_plane(k), map, kind, {0, 0, 640, 480}, 640, 480, 4800 / 100);
+  }
+}
+
+// Aniso with one sample at most, two and so on.
+inline void draw_rows_of_samples(const ready_map& map, random_source& random) {
+  run_time_profile few{profiles::standard};
+  for (few.value.max_samples = 1; few.value.max_samples <= 16; few.value.max_samples += short_run() && few.value.max_samples > 4 ? 4 : 1)
+    for (int k = 0; k < 6; ++k) {
+      plane p = sample_plane(k % 3);
+      if (k < 3 || random_plane(random, {0, 0, 203, 101}, p)) draw_all_by(few, p, map, filter::aniso, {0, 0, 203, 101}, 203, 101);
+    }
+}
+
 }  // namespace

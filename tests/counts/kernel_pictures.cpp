@@ -145,7 +145,7 @@ int main(int argc, char** argv) {
   for (const std::string& name : wanted)
     if (std::none_of(pictures.begin(), pictures.end(), [&](const picture& p) { return name == name_of(p); })) return 2;
   const kernels::layout layout = kernels::layout_of(k->which);
-  const ready_map maps[] = {{way::stored, layout}, {way::srgb, layout}, {way::cut_out, layout}};
+  const ready_map maps[] = {{way::stored, layout}, {way::srgb, layout}, {way::cut_out, layout}};  // by way; the last for all write-outs
   std::vector<rgba8> pixels(size_t(screen.x1) * size_t(screen.y1));
   for (const picture& p : pictures) {
     const std::string name = name_of(p);

@@ -14,31 +14,16 @@ SPANTEX_CASE(a_machine_has_words_and_its_own) {
   assert_null(kernels::kernel_of(kernels::choice::scalar));
 }
 
-SPANTEX_CASE(ordinary_planes_are_drawn_by_the_kernel_alone) {
-  for (const wrap w : {wrap::repeat, wrap::mirror}) {
-    const ready_map map(random_map(512, 512), w);
-    for (const filter kind : filters)
-      for (int k = 0; k < 3; ++k) draw_all(sample_plane(k), map, kind, {0, 0, 640, 480}, 640, 480, 4800 / 100);
-  }
-}
+SPANTEX_CASE(ordinary_planes_are_drawn_by_the_kernel_alone) { draw_ordinary_planes(colour_space::coded); }
 
 SPANTEX_CASE(random_planes_and_maps_of_any_size) {
   static constexpr int32_t sides[][2] = {{512, 512}, {1, 1}, {2, 64}, {8, 8}, {500, 333}, {37, 5}, {1024, 16}, {3, 128}, {496, 80}};
   draw_random_planes(sides, colour_space::coded);
 }
 
-// Aniso with fewer samples than 16.
 SPANTEX_CASE(rows_of_fewer_samples) {
   random_source random(21);
-  run_time_profile few{profiles::standard};
-  for (const int32_t side : {512, 300}) {
-    const ready_map map(random_map(side, side), side == 512 ? wrap::repeat : wrap::mirror);
-    for (few.value.max_samples = 1; few.value.max_samples <= 16; few.value.max_samples += short_run() && few.value.max_samples > 4 ? 4 : 1)
-      for (int k = 0; k < 6; ++k) {
-        plane p = sample_plane(k % 3);
-        if (k < 3 || random_plane(random, {0, 0, 203, 101}, p)) draw_all_by(few, p, map, filter::aniso, {0, 0, 203, 101}, 203, 101);
-      }
-  }
+  for (const int32_t side : {512, 300}) draw_rows_of_samples(ready_map(random_map(side, side), side == 512 ? wrap::repeat : wrap::mirror), random);
 }
 
 // Levels of detail other than the first two, and from one to the next.

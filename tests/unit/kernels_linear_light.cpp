@@ -23,13 +23,7 @@ SPANTEX_CASE(every_number_has_its_code) {
   for (uint32_t x = 0; x < 65536; ++x) assert_int_equal((kernels::srgb_code_of.step[x >> 4] + (x & 15)) >> 4, srgb_encoded(x));
 }
 
-SPANTEX_CASE(ordinary_planes_are_drawn_by_the_kernel_alone) {
-  for (const wrap w : {wrap::repeat, wrap::mirror}) {
-    const ready_map map = srgb_map(random_map(512, 512), w);
-    for (const filter kind : filters)
-      for (int k = 0; k < 3; ++k) draw_all(sample_plane(k), map, kind, {0, 0, 640, 480}, 640, 480, 4800 / 100);
-  }
-}
+SPANTEX_CASE(ordinary_planes_are_drawn_by_the_kernel_alone) { draw_ordinary_planes(colour_space::srgb); }
 
 // Of dark codes every 20th number is a threshold, which is odd: sums that end half way to it, and samples whose rounding decides it, are there.
 SPANTEX_CASE(dark_maps) {
@@ -62,15 +56,7 @@ SPANTEX_CASE(random_planes_and_maps_of_any_size) {
 // A row of one sample is rounded twice, unlike a filter's one sample; of many, a sum of them all takes all 32 bits.
 SPANTEX_CASE(rows_of_any_number_of_samples) {
   random_source random(21);
-  run_time_profile few{profiles::standard};
-  for (const auto& [first, last] : {std::pair{0, 255}, {5, 10}, {255, 255}}) {
-    const ready_map map = srgb_map(noise_map(300, 512, uint32_t(first), uint32_t(last)), wrap::repeat);
-    for (few.value.max_samples = 1; few.value.max_samples <= 16; few.value.max_samples += short_run() && few.value.max_samples > 4 ? 4 : 1)
-      for (int k = 0; k < 6; ++k) {
-        plane p = sample_plane(k % 3);
-        if (k < 3 || random_plane(random, {0, 0, 203, 101}, p)) draw_all_by(few, p, map, filter::aniso, {0, 0, 203, 101}, 203, 101);
-      }
-  }
+  for (const auto& [first, last] : {std::pair{0, 255}, {5, 10}, {255, 255}}) draw_rows_of_samples(srgb_map(noise_map(300, 512, uint32_t(first), uint32_t(last)), wrap::repeat), random);
 }
 
 // Turned, upright, copied texel by texel, and of one colour: ways that colours as coded have of their own.

@@ -64,8 +64,3 @@ SPANTEX_INLINE v codes_of(v first, v second) {
   const raw codes = _mm512_mask_add_epi16(guess, _mm512_cmpgt_epu16_mask(a, last.a), guess, _mm512_set1_epi16(1));
   return v(_mm512_mask_add_epi16(codes, _mm512_cmpgt_epu16_mask(b, last.b), codes, _mm512_set1_epi16(256)));
 }
-
-// Lane c has channel c of pixels 0, 2, 1 and 3, from its lowest byte on: to pixels.
-SPANTEX_INLINE v pixels_of_channels(v channels) {
-  return v(_mm512_shuffle_epi8(raw(channels), raw(of_each_quarter(_mm_setr_epi8(0, 4, 8, 12, 2, 6, 10, 14, 1, 5, 9, 13, 3, 7, 11, 15)))));
-}

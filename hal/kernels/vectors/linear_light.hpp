@@ -116,9 +116,13 @@ SPANTEX_INLINE v codes_of(v numbers) {
   return v((steps + (v_unsigned(numbers) & 15)) >> 4);
 }
 SPANTEX_INLINE v codes_of(v first, v second) { return codes_of(first) | (codes_of(second) << 8); }
+#endif
 
 // Lane c has channel c of pixels 0, 2, 1 and 3, from its lowest byte on: to pixels.
 SPANTEX_INLINE v pixels_of_channels(v channels) {
+#if SPANTEX_AVX512
+  return v(_mm512_shuffle_epi8(raw(channels), raw(of_each_quarter(_mm_setr_epi8(0, 4, 8, 12, 2, 6, 10, 14, 1, 5, 9, 13, 3, 7, 11, 15)))));
+#else
   constexpr int p0 = little ? 0 : 3, p1 = little ? 2 : 1, p2 = little ? 1 : 2, p3 = little ? 3 : 0;
   typedef uint8_t bytes __attribute__((vector_size(4 * width)));
 #define SPANTEX_PIXEL(n) n, n + 4, n + 8, n + 12
@@ -128,8 +132,8 @@ SPANTEX_INLINE v pixels_of_channels(v channels) {
 #else
   return v(__builtin_shufflevector(bytes(channels), bytes(channels), SPANTEX_PIXELS(0)));
 #endif
-}
 #endif
+}
 
 // Pixels before they are codes: u0.16 numbers, of alpha whole ones, two a lane: of pixels 0 and 1 of every four, and of 2 and 3. A span's are found before the first is coded: both are long
 // chains of dependent operations, which a processor does side by side of several pixels if there is nothing else between them.
