@@ -30,6 +30,7 @@ bool has_colours(const drawable& item) { return item.colours.varies || !(item.co
 // A host kernel and the maps made ready for it; null and none where the scalar engine draws.
 struct prepared {
   kernels::row_kernel kernel = nullptr;
+  kernels::row_cover visible = nullptr;
   std::vector<const kernels::planar_map*> maps;  // null: of no item
 };
 
@@ -46,6 +47,7 @@ prepared prepare(const scene& s, const draw_options& o) {
   prepared p;
   if (!kernel_draws(o)) return p;
   p.kernel = kernels::kernel_of(o.kernel);
+  p.visible = kernels::cover_of(o.kernel);
   p.maps.resize(s.maps->size());
   for (const drawable& item : s.items) {
     const kernels::planar_map*& map = p.maps[size_t(item.map_index)];
@@ -171,7 +173,7 @@ status draw_item(auto& renderer, const drawable& item, const scene& s, const dra
   renderer.reads().map = &s.map_of(item);
   if (item.is_polygon) {
     if (by_kernel) {
-      SPANTEX_TRY(kernels::draw_polygon(out.ready.kernel, *out.ready.maps[size_t(item.map_index)], renderer, item.shape, map, o.kind, rows, out.depths(), frame_of(out.picture), counts, how));
+      SPANTEX_TRY(kernels::draw_polygon(out.ready.kernel, out.ready.visible, *out.ready.maps[size_t(item.map_index)], renderer, item.shape, map, o.kind, rows, out.depths(), frame_of(out.picture), counts, how));
     } else {
       polygon part = item.shape;
       part.box = intersection(part.box, rows);

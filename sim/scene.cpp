@@ -54,7 +54,10 @@ void add_polygon(scene& s, const lens& view, const vertex* vertices, const rgba8
     ++s.polygons_outside;
     return;
   }
-  drawable& item = s.items.emplace_back(drawable{true, {}, map_index, {}, view.camera});
+  drawable& item = s.items.emplace_back();
+  item.is_polygon = true;
+  item.map_index = map_index;
+  item.camera = view.camera;
   const status made = make_polygon(vertices, colours, count, view.camera, view.clip, item.shape, item.colours);
   if (made == status::ok) item.corners.assign(vertices, vertices + count);
   else s.items.pop_back();

@@ -113,6 +113,12 @@ std::vector<const world_face*> faces_in_view(const world& w, const lens& view, c
   return faces;
 }
 
+// In the engine's lengths.
+double near_of(const world& w, const frame& f) {
+  constexpr double part_of_nearest = 0.99;
+  return std::max(part_of_nearest * nearest_depth(w, f, nearest_radii * w.radius) / w.radius, nearest_radii) * engine_radius;
+}
+
 void add_face(scene& s, const lens& view, const world_face& face, const frame& f, double scale) {
   vertex corners[max_polygon_vertices];
   int count = 0;
@@ -165,15 +171,25 @@ bool world::has_area() const {
   return false;
 }
 
+std::array<double, 16> clip_matrix(const world& w, const camera_options& camera, screen_size size) {
+  const frame f = stand(w, camera, size);
+  const double near = near_of(w, f) * w.radius / engine_radius, far = 2 * (length(w.centre - f.eye) + w.radius);
+  const double up = 1 / tan(radians(camera.vertical_degrees) / 2), across = up * size.height_px / size.width_px;
+  const double depth = (far + near) / (far - near), depth_at_0 = -2 * far * near / (far - near);
+  const auto row = [&](const vector3d& axis, double constant) { return std::array<double, 4>{axis[0], axis[1], axis[2], constant - dot(axis, f.eye)}; };
+  const std::array<double, 4> rows[] = {row(f.right * across, 0), row(f.down * -up, 0), row(f.forward * depth, depth_at_0), row(f.forward, 0)};
+  std::array<double, 16> columns;
+  for (size_t k = 0; k < columns.size(); ++k) columns[k] = rows[k % 4][k / 4];
+  return columns;
+}
+
 scene look_at(const world& w, const camera_options& camera, screen_size size, const set_up_options& how) {
   scene s{w.name, size, w.maps, {}};
   if (!(w.radius > 0)) return s;
   const frame f = stand(w, camera, size);
   const double scale = engine_radius / w.radius, distance = length(w.centre - f.eye) / w.radius;
   if (distance > farthest_radii - 1) throw input_error(w.name + ": camera is more than 99 radii away from the model's centre");
-  constexpr double part_of_nearest = 0.99;
-  const double near_z = std::max(part_of_nearest * nearest_depth(w, f, nearest_radii * w.radius) / w.radius, nearest_radii) * engine_radius;
-  lens view = make_lens(size, radians(camera.vertical_degrees), near_z);
+  lens view = make_lens(size, radians(camera.vertical_degrees), near_of(w, f));
   view.skips_outside = camera.skips_outside;
   const std::vector<const world_face*> faces = faces_in_view(w, view, f, scale, how.nearest_first);
   std::vector<scene> parts(how.team == nullptr ? 1 : size_t(how.team->size()), s);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Textured convex faces in world space (right-handed, y up) and cameras that look at them.
 #pragma once
+#include <array>
 #include <memory>
 #include <optional>
 #include <string>
@@ -49,6 +50,9 @@ struct camera_options {
 
 // Where the camera stands for every corner to be in the picture, whatever the yaw, so that a turntable does not pulsate: from the centre, in world units.
 double framing_distance(const world& w, const camera_options& camera, screen_size size);
+
+// look_at()'s camera as OpenGL takes it: from world to clip coordinates, column by column; near is where look_at() has it, far behind the farthest corner. The world has an extent.
+std::array<double, 16> clip_matrix(const world& w, const camera_options& camera, screen_size size);
 
 class thread_team;
 struct set_up_options {

@@ -2,7 +2,7 @@
 """Gates of the host kernels, as gate_list.py has others: name, file, what stands there, what it is broken into, suite, case, further sources the suite links."""
 import pathlib
 
-KERNELS = [f"hal/kernels/{name}.cpp" for name in ("avx2", "avx2_linear_light", "avx512", "avx512_gathers", "avx512_linear_light", "avx512_loads", "byte_planes", "kernel", "neon", "neon_linear_light", "planar_map", "row_levels", "shortcuts", "sse41", "sse41_linear_light", "upright", "words", "words_linear_light", "write_out")]
+KERNELS = [f"hal/kernels/{name}.cpp" for name in ("avx2", "avx2_linear_light", "avx512", "avx512_gathers", "avx512_linear_light", "avx512_loads", "byte_planes", "kernel", "masks", "masks_avx2", "masks_avx512", "neon", "neon_linear_light", "planar_map", "row_levels", "shortcuts", "sse41", "sse41_linear_light", "upright", "words", "words_linear_light", "write_out")]
 
 KERNEL_GATES = [
     ("a vector kernel's halves always up", "hal/kernels/vectors/pixels.hpp", "add16(rest, x & number<0x00800080>())", "add16(rest, number<0x00800080>())", "kernels", "random_planes*", KERNELS),
@@ -44,6 +44,17 @@ KERNEL_GATES = [
     ("vector kernels: sixteen samples whatever is asked for", "hal/kernels/vectors/aniso.hpp", "set(work.most_ratio)), set(0))", "set(4 << 16)), set(0))", "kernels", "rows_of_fewer*", KERNELS),
     ("a vector kernel's rows as long as they like", "hal/kernels/vectors/aniso.hpp", "limit - reach_of(c)", "8192", "kernels", "rows_beyond*", KERNELS),
     ("a vector kernel's texels before the division", "hal/kernels/vectors/common.hpp", "extent + (extent >> (-1 - c.slope_log2)) + 1", "extent", "kernels", "texels_after*", KERNELS),
+    ("polygons' masks: edges rounded up", "hal/kernels/masks.cpp", "centre_subpixels(0)) >> subpixel_bits, min_of", "centre_subpixels(0)) / (1 << subpixel_bits), min_of", "masks", "they_cover*", KERNELS),
+    ("polygons' masks: no more than three edges", "hal/kernels/masks.cpp", "first < count; first += at_once", "first < 1; first += at_once", "masks", "they_cover*", KERNELS),
+    ("polygons' masks: edges that lie far away cut to 32 bits", "hal/kernels/masks.hpp", "return at < 1 << 30 ? int32_t(at) : 1 << 30;", "return int32_t(at);", "masks", "they_cover*", KERNELS),
+    ("polygons' masks: spans that are left out drawn", "hal/kernels/vectors/masks.hpp", "if (leaves != nullptr && leaves[k + n]) wanted", "if (false) wanted", "masks", "they_hide*", KERNELS),
+    ("polygons' masks: floors one too high", "hal/kernels/masks.cpp", ">> depth_guard_bits <= int64_t(floor)", ">> depth_guard_bits <= int64_t(floor) + 1", "masks", "they_hide*", KERNELS),
+    ("AVX-512's masks: the second row of pixels taken for the first", "hal/kernels/masks_avx512.cpp", "_mm512_set1_epi32(p.edges[e].b), second_row", "_mm512_set1_epi32(p.edges[e].a), second_row", "masks", "they_cover*", KERNELS),
+    ("AVX-512's masks: a floor of the nearest pixel", "hal/kernels/masks_avx512.cpp", "farthest = _mm256_min_epu32(farthest, now);", "farthest = now;", "masks", "they_hide*", KERNELS),
+    ("AVX-512's masks: no floor", "hal/kernels/masks_avx512.cpp", "if (p.stores) p.raise_floor", "if (false) p.raise_floor", "masks", "floors_rise*", KERNELS),
+    ("AVX2's masks: depths in another order than pixels", "hal/kernels/masks_avx2.cpp", "_mm256_setr_epi64x(pixel(0), pixel(1), pixel(4), pixel(5)), others = _mm256_setr_epi64x(pixel(2), pixel(3),", "_mm256_setr_epi64x(pixel(0), pixel(1), pixel(2), pixel(3)), others = _mm256_setr_epi64x(pixel(4), pixel(5),", "masks", "they_hide*", KERNELS),
+    ("AVX2's masks: pixels that are not covered", "hal/kernels/masks_avx2.cpp", "_mm256_cmpeq_epi32(_mm256_min_epu32(z, stored), z), covered)", "_mm256_cmpeq_epi32(_mm256_min_epu32(z, stored), z), _mm256_set1_epi32(-1))", "masks", "they_hide*", KERNELS),
+    ("AVX2's masks: floors below nothing", "hal/kernels/masks_avx2.cpp", "_mm256_cmpgt_epi64(above, nearest)", "_mm256_cmpgt_epi64(_mm256_add_epi64(above, above), nearest)", "masks", "they_hide*", KERNELS),
     ("sRGB maps: green decoded as red", "hal/kernels/row_levels.cpp", "centred(srgb_decoded(t.g))", "centred(srgb_decoded(t.r))", "kernels_linear_light", "ordinary*", KERNELS),
     ("kernels in linear light: halves always up", "hal/kernels/vectors/linear_light.hpp", "return v(y + (y >> 16 & 1));", "return v(y + 1);", "kernels_linear_light", "dark_maps", KERNELS),
     ("kernels in linear light: samples' halves always up", "hal/kernels/vectors/linear_light.hpp", "((1 << (bits - 1)) - 1) + ((x >> bits) & 1)", "(1 << (bits - 1))", "kernels_linear_light", "dark_maps", KERNELS),
@@ -66,7 +77,7 @@ KERNEL_GATES = [
     ("kernels' write-out: depths of pixels that are cut out", "hal/kernels/write_out.cpp", "each_of(written, [&]", "each_of(mask, [&]", "write_out", "polygons_are_written*", KERNELS),
     ("kernels' write-out: depths as far apart as pixels", "hal/kernels/write_out.cpp", "(y0 + j) * frame_.width + x0 + i", "(y0 + j) * frame_.width + x0 + i + (frame_.stride != frame_.width)", "write_out", "polygons_are_written*", KERNELS),
     ("kernels' write-out: cut-outs hide before they are drawn", "hal/kernels/rows.hpp", "(texels.opaque() && shade.without_alpha()) || how.stores_depth_first();", "shade.without_alpha() || true;", "write_out", "polygons_are_written*", KERNELS),
-    ("a kernel's surface under what is still computed", "hal/kernels/rows.hpp", "intersection(p.box, area), frame, counts, cover, shade));\n  return scalar.flush();", "intersection(p.box, area), frame, counts, cover, shade));\n  return status::ok;", "write_out", "polygons_are_written*", KERNELS),
+    ("a kernel's surface under what is still computed", "hal/kernels/rows.hpp", "surface{&p.map, &t, kind}, area, frame, counts, cover, shade));\n  return scalar.flush();", "surface{&p.map, &t, kind}, area, frame, counts, cover, shade));\n  return status::ok;", "write_out", "polygons_are_written*", KERNELS),
     ("kernels' write-out: what is left is stored", "hal/kernels/rows.hpp", "row.mask[k], shade));", "row.mask[k]));", "write_out", "polygons_are_written*", KERNELS),
     ("copies of texels next to the centre", "hal/kernels/shortcuts.cpp", "2 * most_off_centre * (w >> 16)", "2 * (most_off_centre + 72) * (w >> 16)", "kernels", "whole_texels_are*", KERNELS),
     ("copies of texels on a level", "hal/kernels/shortcuts.cpp", "2 * most_off_centre * (w >> 16)", "2 * (most_off_centre + 48) * (w >> 16)", "kernels", "whole_texels_of*", KERNELS),

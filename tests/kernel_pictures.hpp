@@ -89,8 +89,13 @@ constexpr int32_t scene_width = 203, scene_height = 101;
 struct depths {
   std::vector<uint32_t> values = std::vector<uint32_t>(scene_width * scene_height), floors = std::vector<uint32_t>(26 * 13);
   depth_buffer buffer() { return {values.data(), floors.data()}; }
-  bool operator==(const depths&) const = default;
 };
+
+// Depths as the engine's, floors at least as high.
+inline void assert_depths(const depths& own, const depths& engine) {
+  assert_true(own.values == engine.values);
+  for (size_t k = 0; k < own.floors.size(); ++k) assert_true(own.floors[k] >= engine.floors[k]);
+}
 
 template <class Draw>
 void each_triangle(Draw draw, int count, const rgba8 (&colours)[3]) {
@@ -111,7 +116,7 @@ void each_triangle(Draw draw, int count, const rgba8 (&colours)[3]) {
   }
 }
 
-// `count` of them: picture, depths and floors are the engine's.
+// `count` of them: picture and depths are the engine's.
 inline void draw_triangles(const ready_map& map, filter kind, int count) {
   const auto each = [&](auto draw) { each_triangle([&](const polygon& p, const colour_forms&) { return draw(p); }, count, {white, white, white}); };
   by_scalar.reset(scene_width, scene_height);
@@ -128,14 +133,13 @@ inline void draw_triangles(const ready_map& map, filter kind, int count) {
     renderer_type rest(other, prof{}, by_kernel.frame());
     depths own;
     draw_counters counts;
-    each([&](const polygon& p) { return kernels::draw_polygon(kernels::kernel_of(k.which), map.of(k.which), rest, p, map.view, kind, p.box, own.buffer(), by_kernel.frame(), counts); });
+    each([&](const polygon& p) { return kernels::draw_polygon(kernels::kernel_of(k.which), kernels::cover_of(k.which), map.of(k.which), rest, p, map.view, kind, p.box, own.buffer(), by_kernel.frame(), counts); });
     SPANTEX_ASSERT_OK(rest.finish());
     if (by_kernel.pixels != by_scalar.pixels) fail_msg("%s, filter %d: not the engine's bytes", k.name, int(kind));
-    assert_true(own == by_engine);
+    assert_depths(own, by_engine);
     assert_int_equal(counts.pixels + rest.counters().pixels, want.pixels);
     assert_int_equal(counts.spans_total + rest.counters().spans_total, want.spans_total);
-    assert_int_equal(counts.spans_hidden, want.spans_hidden);
-    assert_int_equal(counts.spans_empty, want.spans_empty);
+    assert_int_equal(counts.spans_hidden + counts.spans_empty, want.spans_hidden + want.spans_empty);
   }
 }
 

@@ -99,6 +99,9 @@ static_assert(max_clipped < max_edges - 1);
 // is written from the start. That never meets what is not read yet if the outline is convex; else corners are lost.
 SPANTEX_FRAME_APART constexpr void clip_to_view(int64_t near_z, const view_sides& sides, edge_set& o) {
   for (int side = 0; side < view_side_count && o.count != 0; ++side) {
+    bool inside = true;
+    for (int k = 0; k < o.count; ++k) inside = inside && distance_from(side, near_z, sides, o.edges[k]) >= 0;
+    if (inside) continue;
     const int start = max_edges - 1 - o.count;
     o.edges[max_edges - 1] = o.edges[0];
     for (int k = o.count - 1; k >= 0; --k) o.edges[start + k] = o.edges[k];

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// 128-bit signed integers for set-up, where the products of exact coordinates need up to 123 bits. Portable: no
-// compiler extension, so every target computes the same. Two's complement, wrapping; callers keep |x| < 2^126.
+// 128-bit signed integers for set-up, where the products of exact coordinates need up to 123 bits. Portable: every target computes the same, with a compiler's own
+// product of 64 by 64 bits or without. Two's complement, wrapping; callers keep |x| < 2^126.
 #pragma once
 #include <stdint.h>
 
@@ -49,7 +49,7 @@ SPANTEX_WRAPS constexpr void add_words(wide& sum, uint64_t low, uint64_t high) {
 }
 
 // sum += a b, unsigned: four products of 32 bits, each added where it belongs.
-SPANTEX_FRAME_APART constexpr void accumulate(wide& sum, uint64_t a, uint64_t b) {
+SPANTEX_FRAME_APART constexpr void accumulate_by_words(wide& sum, uint64_t a, uint64_t b) {
   if (products_are_calls && (a == 0 || b == 0)) return;  // planes that face the viewer have many
   const uint32_t a0 = uint32_t(a), a1 = uint32_t(a >> 32), b0 = uint32_t(b), b1 = uint32_t(b >> 32);
   add_words(sum, multiply_32(a0, b0), multiply_32(a1, b1));
@@ -57,6 +57,17 @@ SPANTEX_FRAME_APART constexpr void accumulate(wide& sum, uint64_t a, uint64_t b)
   add_words(sum, first << 32, first >> 32);
   const uint64_t second = multiply_32(a1, b0);
   add_words(sum, second << 32, second >> 32);
+}
+
+// The same by one product, where the compiler has it.
+constexpr void accumulate(wide& sum, uint64_t a, uint64_t b) {
+#ifdef __SIZEOF_INT128__
+  __extension__ using product = unsigned __int128;
+  const product p = product(a) * b;
+  add_words(sum, uint64_t(p), uint64_t(p >> 64));
+#else
+  accumulate_by_words(sum, a, b);
+#endif
 }
 
 // sum += a b: exact, as the product. In two's complement: a negative factor is 2^64 too large as an unsigned one.

@@ -5,9 +5,10 @@
 #include <stdint.h>
 
 #include <algorithm>
+#include <optional>
 
-#include <hal/kernels/coverage.hpp>
 #include <hal/kernels/kernel.hpp>
+#include <hal/kernels/masks.hpp>
 #include <hal/kernels/shortcuts.hpp>
 #include <hal/kernels/upright.hpp>
 #include <hal/kernels/write_out.hpp>
@@ -17,16 +18,18 @@ namespace spantex::kernels {
 
 namespace detail {
 
-// Spans of a row that may be drawn, and what of them.
-struct row_masks {
-  span_mask mask[max_row_spans];
-  int from, to;  // those with something to draw lie in [from, to)
-};
-
 // Where a row is drawn, aside(), and what then becomes of it, write(): here pixels are stored as they are computed; row_write_out otherwise.
 struct in_place {
   row_work aside(const row_work& work) const { return work; }
   void write(const row_work&, draw_counters&) const {}
+};
+
+// What rows of spans of an area have in common.
+struct of_all_rows {
+  shortcut everywhere;
+  upright_plane upright;
+  row_memory memory;
+  of_all_rows(const surface& s, const planar_map& texels, rectangle area) : everywhere(shortcut_of(s, texels, area)), upright(s, area) {}
 };
 
 // Rows of spans of an area: `cover` makes the masks those from span (first, sy) on, of those of the row before; the kernel draws, `out` writes, and what is left goes through the
@@ -39,28 +42,26 @@ status draw_rows_to(row_kernel kernel, const planar_map& texels, Renderer& scala
   const int32_t first = area.x0 / span_side;
   const int count = (area.x1 - 1) / span_side - first + 1;
   if (count > max_row_spans) return status::bad_size;
-  const shortcut everywhere = shortcut_of(s, texels, area);
-  upright_plane upright(s, area);
-  row_memory memory;
+  std::optional<of_all_rows> all;  // once something is seen
   row_masks row;
   bool left[max_row_spans];
   std::fill_n(left, count, false);
   for (int32_t sy = area.y0 / span_side; sy <= (area.y1 - 1) / span_side; ++sy) {
-    counts.spans_total += uint64_t(count);
     cover(area, first, count, sy, row);
     if (row.from >= row.to) continue;
+    if (!all) all.emplace(s, texels, area);
     const int32_t y = sy * span_side;
     row_work work = out.aside({s.map, &texels, s.kind, s.texture->last_level(), first + row.from, sy, row.to - row.from, row.mask + row.from,
                                frame.pixels + int64_t(y) * frame.stride, frame.stride, left + row.from});
     work.most_ratio = log2_16(uint64_t(scalar.numbers().max_samples));
-    const shortcut known = everywhere.how != shortcut::way::none ? everywhere : shortcut_of(s, texels, intersection(area, {area.x0, y, area.x1, y + span_side}));
+    const shortcut known = all->everywhere.how != shortcut::way::none ? all->everywhere : shortcut_of(s, texels, intersection(area, {area.x0, y, area.x1, y + span_side}));
     if (known.how != shortcut::way::none) {
       draw_by(known, work);
       out.write(work, counts);
       continue;
     }
-    work.memory = &memory;
-    if (!in_linear_light(texels, s.kind)) work.upright = upright.row(sy);
+    work.memory = &all->memory;
+    if (!in_linear_light(texels, s.kind)) work.upright = all->upright.row(sy);
     kernel(work);
     out.write(work, counts);
     for (bool* at = left + row.from; (at = next_left(at, left + row.to)) != nullptr; ++at) {
@@ -91,8 +92,9 @@ template <class Renderer>
 status draw_plane(row_kernel kernel, const planar_map& texels, Renderer& scalar, const plane& p, const texture_view& t, filter kind, rectangle area,
                   const frame_buffer& frame, draw_counters& counts, const typename Renderer::shading_type& how = {}) {
   span_mask filled = 0;  // what the row before has in all spans but the ends; 0 where some are kept
-  const auto cover = [&](rectangle r, int32_t first, int count, int32_t sy, detail::row_masks& out) {
+  const auto cover = [&](rectangle r, int32_t first, int count, int32_t sy, row_masks& out) {
     const int32_t y0 = max_of(r.y0, sy * span_side), y1 = min_of(r.y1, (sy + 1) * span_side);
+    counts.spans_total += uint64_t(count);
     counts.jobs += uint64_t(count);
     counts.pixels += uint64_t(r.x1 - r.x0) * uint64_t(y1 - y0);
     out.from = 0;
@@ -120,38 +122,21 @@ status draw_plane(row_kernel kernel, const planar_map& texels, Renderer& scalar,
   return scalar.flush();
 }
 
-// Draws the part of a polygon inside `area`, hidden parts left out. The same otherwise.
+// Draws the part of a polygon inside `area`, hidden parts left out. `visible` makes the masks. The same otherwise.
 template <class Renderer>
-status draw_polygon(row_kernel kernel, const planar_map& texels, Renderer& scalar, const polygon& p, const texture_view& t, filter kind, rectangle area, depth_buffer depth,
-                    const frame_buffer& frame, draw_counters& counts, const typename Renderer::shading_type& how = {}) {
+status draw_polygon(row_kernel kernel, row_cover visible, const planar_map& texels, Renderer& scalar, const polygon& p, const texture_view& t, filter kind, rectangle area,
+                    depth_buffer depth, const frame_buffer& frame, draw_counters& counts, const typename Renderer::shading_type& how = {}) {
   auto shade = how.of(p, depth.values);
   const bool stores_depth = (texels.opaque() && shade.without_alpha()) || how.stores_depth_first();
-  polygon_coverage covered(p.edges);
-  const auto cover = [&](rectangle r, int32_t first, int count, int32_t sy, detail::row_masks& out) {
-    out.from = count;
-    out.to = 0;
-    covered.begin_row(sy);
-    for (int k = 0; k < count; ++k) {
-      span_mask& mask = out.mask[k];
-      if (scalar.keeps(first + k, sy)) {
-        --counts.spans_total;
-        mask = 0;
-        continue;
-      }
-      mask = covered.of(first + k);
-      if (mask != 0) mask &= rectangle_mask(r, first + k, sy);
-      if (mask == 0) { ++counts.spans_empty; continue; }
-      mask &= front_mask(p.map, first + k, sy);
-      if (mask == 0) { ++counts.spans_behind; continue; }
-      if (depth.values != nullptr) mask = depth_test(p, first + k, sy, mask, depth, frame.width, stores_depth);
-      if (mask == 0) { ++counts.spans_hidden; continue; }
-      out.from = min_of(out.from, k);
-      out.to = k + 1;
-      ++counts.jobs;
-      counts.pixels += uint64_t(__builtin_popcountll(mask));
-    }
+  area = intersection(intersection(p.box, area), {0, 0, frame.width, frame.height});
+  if (area.empty()) return scalar.flush();
+  const masked_polygon masked(p, area, depth, frame.width, frame.height, stores_depth);
+  bool leaves[max_row_spans];
+  const auto cover = [&](rectangle, int32_t first, int count, int32_t sy, row_masks& out) {
+    for (int k = 0; scalar.keeps_some() && k < count; ++k) leaves[k] = scalar.keeps(first + k, sy);
+    visible(masked, sy, scalar.keeps_some() ? leaves : nullptr, out, counts);
   };
-  SPANTEX_TRY(detail::draw_rows(kernel, texels, scalar, surface{&p.map, &t, kind}, intersection(p.box, area), frame, counts, cover, shade));
+  SPANTEX_TRY(detail::draw_rows(kernel, texels, scalar, surface{&p.map, &t, kind}, area, frame, counts, cover, shade));
   return scalar.flush();
 }
 

@@ -84,20 +84,37 @@ void compare(kernels::choice which, const plane& p, const texture_view& view, fi
   sum.left += spans - counts.jobs;
 }
 
-// By vectors as by the engine.
-void compare_coverage() {
-  for (int n = 0; n < 2000; ++n) {
-    edge_set set;
-    for (set.count = 0; set.count < 1 + n % 5; ++set.count) {
-      const auto point = [] { return screen_point{int32_t(random_bits() % (width << subpixel_bits)), int32_t(random_bits() % (height << subpixel_bits))}; };
-      set.edges[set.count] = make_edge(point(), point());
+// Masks and depths by vectors as by the engine.
+void compare_masks(kernels::choice which) {
+  static std::vector<uint32_t> values(size_t(width * height)), floors(size_t(width * height / 64)), engine_values(values);
+  constexpr int32_t one = 1 << 16;
+  for (int n = 0; n < 400; ++n) {
+    if (n % 20 == 0) {
+      values.assign(values.size(), 0);
+      floors.assign(floors.size(), 0);
+      engine_values = values;
     }
-    kernels::polygon_coverage by_vectors(set);
-    for (int32_t sy = 0; sy < height / span_side; ++sy) {
-      by_vectors.begin_row(sy);
-      for (int32_t sx = 0; sx < width / span_side; ++sx)
-        if (by_vectors.of(sx) != coverage(set, sx, sy)) std::abort();
+    const auto between = [](int32_t low, int32_t high) { return low + int32_t(random_bits() % uint32_t(high - low)); };
+    vertex corners[3];
+    const int32_t far = between(one, 20 * one);
+    for (vertex& v : corners) {
+      const int32_t x = between(-far, far), y = between(-far, far);
+      v = {x, y, far + between(-far / 2, far / 2), 0, 0};
     }
+    polygon p{};
+    if (make_polygon(corners, 3, {width * one, width * one, width * one / 2, height * one / 2, one / 16}, {0, 0, width, height}, p) != status::ok) continue;
+    const kernels::masked_polygon masked(p, p.box, {values.data(), floors.data()}, width, height, true);
+    for (int32_t sy = p.box.y0 / span_side; sy <= (p.box.y1 - 1) / span_side; ++sy) {
+      kernels::row_masks row;
+      draw_counters counts;
+      kernels::cover_of(which)(masked, sy, nullptr, row, counts);
+      for (int k = 0; k < masked.span_count(); ++k) {
+        const int32_t sx = masked.first_span() + k;
+        const span_mask mask = coverage(p.edges, sx, sy) & rectangle_mask(p.box, sx, sy) & front_mask(p.map, sx, sy);
+        if (row.mask[k] != (mask == 0 ? 0 : depth_test(p, sx, sy, mask, {engine_values.data()}, width, true))) std::abort();
+      }
+    }
+    if (values != engine_values) std::abort();
   }
 }
 
@@ -109,9 +126,9 @@ int main() {
                                                                        {kernels::choice::neon, "neon"}, {kernels::choice::avx512, "avx512"}, {kernels::choice::avx512_gathers, "avx512-gathers"}};
   struct { filter kind; const char* name; } const filters[] = {{filter::nearest, "nearest"}, {filter::bilinear, "bilinear"}, {filter::mip_bilinear, "mip-bilinear"},
                                                                {filter::trilinear, "trilinear"}, {filter::aniso, "aniso"}};
-  compare_coverage();
   for (const auto& kernel : every) {
     if (kernels::kernel_of(kernel.which) == nullptr) continue;
+    compare_masks(kernel.which);
     for (const auto& f : filters) {
       tally sum;
       random_state = 7;

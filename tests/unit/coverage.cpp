@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Coverage against its definition: a pixel belongs to a polygon if its centre is inside, or on a top or left edge. Meshes must draw
 // every pixel of their union once. Screen points are on the 1/256 pixel grid, so all of it is exact.
-#include <hal/kernels/coverage.hpp>
 #include <tests/support.hpp>
 
 using namespace spantex;
@@ -211,34 +210,6 @@ SPANTEX_CASE(rectangles_cover_their_pixels) {
   }
 }
 
-// Up to as many edges as there may be, of any length, all about one span.
-SPANTEX_CASE(kernels_cover_the_same_pixels) {
-  random_source random(57);
-  int partial[max_edges + 1] = {};
-  for (int n = 0; n < 60000; ++n) {
-    const int32_t far = 1 << (11 + n % 12), sx = int32_t(random.next() % 512), sy = int32_t(random.next() % 512);
-    const screen_point inside = centre_of(sx * span_side + int32_t(random.next() % span_side), sy * span_side + int32_t(random.next() % span_side));
-    edge_set s;
-    s.count = 1 + n / 12 % max_edges;
-    for (int k = 0; k < s.count; ++k) {
-      const auto near = [&](int32_t x) { return x + int32_t(random.between(-far, far)); };
-      const screen_point p{near(inside.x), near(inside.y)}, q{near(inside.x), near(inside.y)};
-      s.edges[k] = make_edge(p, q);
-      if (s.edges[k].at(inside.x, inside.y) < 0) s.edges[k] = make_edge(q, p);
-    }
-    kernels::polygon_coverage by_kernel(s);
-    for (int32_t y = max_of(sy - 1, 0); y <= sy + 1; ++y) {
-      by_kernel.begin_row(y);
-      for (int32_t x = max_of(sx - 1, 0); x <= sx + 1; ++x) {
-        const span_mask expected = coverage(s, x, y);
-        partial[s.count] += expected != 0 && expected != full_mask;
-        assert_true(by_kernel.of(x) == expected);
-      }
-    }
-  }
-  for (int count = 1; count <= max_edges; ++count) assert_true(partial[count] > 1000);
-}
-
 SPANTEX_CASE(front_masks_hold_the_pixels_with_positive_w) {
   random_source random(54);
   int partial = 0;
@@ -277,7 +248,6 @@ int main() {
   const CMUnitTest tests[] = {
       cmocka_unit_test(triangles_cover_what_the_rule_says),
       cmocka_unit_test(vertices_at_the_guard_band_do_not_overflow),
-      cmocka_unit_test(kernels_cover_the_same_pixels),
       cmocka_unit_test(fans_draw_every_pixel_of_their_union_once),
       cmocka_unit_test(strips_draw_every_pixel_once),
       cmocka_unit_test(strips_with_vertices_at_pixel_centres_draw_every_pixel_once),

@@ -363,7 +363,7 @@ SPANTEX_CASE(polygons_of_whole_texels_are_copied) {
     draw_counters counts;
     SPANTEX_ASSERT_OK(r.draw(p, map.view, kind, depth_buffer{}));
     SPANTEX_ASSERT_OK(r.finish());
-    SPANTEX_ASSERT_OK(kernels::draw_polygon(no_kernel, map.rows, rest, p, map.view, kind, p.box, depth_buffer{}, copied.frame(), counts));
+    SPANTEX_ASSERT_OK(kernels::draw_polygon(no_kernel, kernels::words_cover(), map.rows, rest, p, map.view, kind, p.box, depth_buffer{}, copied.frame(), counts));
     assert_true(copied.pixels == by_scalar.pixels);
     assert_int_equal(counts.pixels, r.counters().pixels);
   }

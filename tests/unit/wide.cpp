@@ -49,10 +49,11 @@ static void for_wide(Check check) {
 SPANTEX_CASE(products_of_words_are_exact) {
   for_word_pairs([](int64_t a, int64_t b) { assert_true(value(multiply(a, b)) == big(a) * b); });
   for_word_pairs([](int64_t a, int64_t b) {
-    wide sum(a, uint64_t(b));
+    wide sum(a, uint64_t(b)), by_words = sum;
     accumulate(sum, uint64_t(a), uint64_t(b));
+    accumulate_by_words(by_words, uint64_t(a), uint64_t(b));
     const unsigned_big exact = wrapping_sum(unsigned_big(value(wide(a, uint64_t(b)))), unsigned_big(uint64_t(a)) * uint64_t(b));
-    assert_true(unsigned_big(value(sum)) == exact);
+    assert_true(unsigned_big(value(sum)) == exact && by_words == sum);
   });
 }
 

@@ -109,7 +109,8 @@ SPANTEX_CASE(polygons_are_written_out_as_the_engine_does) {
               [&](const named_kernel& k, shaded_renderer& rest, depths& d, draw_counters& counts) {
                 int n = 0;
                 with_colours([&](const polygon& p, const shading& how) {
-                  return kernels::draw_polygon(leaves && n++ % 2 == 0 ? leaving_kernel : kernels::kernel_of(k.which), map.of(k.which), rest, p, map.view, kind, p.box, d.buffer(), within(by_kernel), counts, how);
+                  return kernels::draw_polygon(leaves && n++ % 2 == 0 ? leaving_kernel : kernels::kernel_of(k.which), kernels::cover_of(k.which), map.of(k.which), rest, p, map.view, kind, p.box,
+                                               d.buffer(), within(by_kernel), counts, how);
                 });
               });
         }

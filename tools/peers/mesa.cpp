@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Mesa's llvmpipe through OSMesa: one quad with homogeneous texture coordinates, the same levels as ours, one thread. draw() ends when the
-// pixels are in the caller's buffer; of sRGB codes, which OSMesa's own buffer does not take, when they are in a renderbuffer, from which read() gets them.
+// Mesa's llvmpipe through OSMesa: one quad with homogeneous texture coordinates, or a model's triangles map by map from a buffer that was filled once; the same levels as
+// ours, one thread. draw() ends when the pixels are in the caller's buffer; of sRGB codes, which OSMesa's own buffer does not take, when they are in a renderbuffer, from which read() gets them.
+#include <stddef.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
@@ -32,6 +33,8 @@ GLint minifying(sampling kind) {
   return GL_LINEAR_MIPMAP_LINEAR;
 }
 
+GLint wrapping_of(wrapping w) { return w == wrapping::repeat ? GL_REPEAT : w == wrapping::clamp ? GL_CLAMP_TO_EDGE : GL_MIRRORED_REPEAT; }
+
 class mesa_peer final : public peer {
  public:
   explicit mesa_peer(OSMesaContext context) : context_(context) {}
@@ -40,15 +43,9 @@ class mesa_peer final : public peer {
   const char* version() const override { return version_.c_str(); }
 
   bool prepare(const task& t) override {
-    width_ = t.width;
-    height_ = t.height;
-    pixels_.assign(size_t(width_) * size_t(height_), 0);
-    if (!OSMesaMakeCurrent(context_, pixels_.data(), GL_UNSIGNED_BYTE, width_, height_)) return false;
-    OSMesaPixelStore(OSMESA_Y_UP, 0);
-    version_ = std::string(text_of(GL_RENDERER)) + ", " + text_of(GL_VERSION);
-    if (version_.find("llvmpipe") == std::string::npos) return false;
-    if (!choose_target(t.srgb)) return false;
-    upload(t);
+    if (!begin(t.width, t.height, t.srgb)) return false;
+    textures_ = {texture_of(t.levels, t.level_count, t.kind, t.srgb, GL_REPEAT, GL_REPEAT)};
+    glDisable(GL_DEPTH_TEST);
     glMatrixMode(GL_PROJECTION);
     glLoadIdentity();
     if (t.srgb) glOrtho(0, width_, 0, height_, -1, 1);
@@ -57,13 +54,41 @@ class mesa_peer final : public peer {
     return glGetError() == GL_NO_ERROR;
   }
 
-  void draw() override {
-    glBegin(GL_QUADS);
-    for (const corner& c : corners_) {
-      glTexCoord4d(c.s, c.t, 0, c.q);
-      glVertex2d(c.x, c.y);
+  bool prepare(const model_task& t) override {
+    if (!begin(t.width, t.height, false)) return false;
+    std::vector<corner> all;
+    for (int k = 0; k < t.mesh_count; ++k) {
+      const mesh& m = t.meshes[k];
+      textures_.push_back(texture_of(m.levels, m.level_count, t.kind, false, wrapping_of(m.wrap_s), wrapping_of(m.wrap_t)));
+      firsts_.push_back(GLint(all.size()));
+      all.insert(all.end(), m.corners, m.corners + m.corner_count);
     }
-    glEnd();
+    firsts_.push_back(GLint(all.size()));
+    glGenBuffers(1, &buffer_);
+    glBindBuffer(GL_ARRAY_BUFFER, buffer_);
+    glBufferData(GL_ARRAY_BUFFER, GLsizeiptr(all.size() * sizeof(corner)), all.data(), GL_STATIC_DRAW);
+    glEnableClientState(GL_VERTEX_ARRAY);
+    glEnableClientState(GL_TEXTURE_COORD_ARRAY);
+    glVertexPointer(3, GL_FLOAT, sizeof(corner), nullptr);
+    glTexCoordPointer(2, GL_FLOAT, sizeof(corner), reinterpret_cast<const void*>(offsetof(corner, s)));
+    glEnable(GL_DEPTH_TEST);
+    return glGetError() == GL_NO_ERROR;
+  }
+
+  void begin_frame(const double* clip) override {
+    glMatrixMode(GL_PROJECTION);
+    glLoadMatrixd(clip);
+    glClearColor(0, 0, 0, 1);
+    glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+    glFinish();
+  }
+
+  void draw() override {
+    if (buffer_ == 0) draw_plane();
+    for (size_t k = 0; buffer_ != 0 && k < textures_.size(); ++k) {
+      glBindTexture(GL_TEXTURE_2D, textures_[k]);
+      glDrawArrays(GL_TRIANGLES, firsts_[k], firsts_[k + 1] - firsts_[k]);
+    }
     glFinish();
   }
 
@@ -73,7 +98,7 @@ class mesa_peer final : public peer {
   }
 
  private:
-  struct corner { double x, y, s, t, q; };
+  struct plane_corner { double x, y, s, t, q; };
 
   static const char* text_of(GLenum what) {
     const GLubyte* const text = glGetString(what);
@@ -101,20 +126,49 @@ class mesa_peer final : public peer {
     return glCheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE;
   }
 
-  void upload(const task& t) {
-    if (texture_ != 0) glDeleteTextures(1, &texture_);
-    glGenTextures(1, &texture_);
-    glBindTexture(GL_TEXTURE_2D, texture_);
+  // A picture of that size, nothing left of the task before.
+  bool begin(int width, int height, bool srgb) {
+    width_ = width;
+    height_ = height;
+    pixels_.assign(size_t(width_) * size_t(height_), 0);
+    if (!OSMesaMakeCurrent(context_, pixels_.data(), GL_UNSIGNED_BYTE, width_, height_)) return false;
+    OSMesaPixelStore(OSMESA_Y_UP, 0);
+    version_ = std::string(text_of(GL_RENDERER)) + ", " + text_of(GL_VERSION);
+    if (version_.find("llvmpipe") == std::string::npos) return false;
+    glDeleteTextures(GLsizei(textures_.size()), textures_.data());
+    glDeleteBuffers(1, &buffer_);
+    glDisableClientState(GL_VERTEX_ARRAY);
+    glDisableClientState(GL_TEXTURE_COORD_ARRAY);
+    textures_.clear();
+    firsts_.clear();
+    buffer_ = 0;
+    return choose_target(srgb);
+  }
+
+  static GLuint texture_of(const level* levels, int count, sampling kind, bool srgb, GLint wrap_s, GLint wrap_t) {
+    GLuint made = 0;
+    glGenTextures(1, &made);
+    glBindTexture(GL_TEXTURE_2D, made);
     glEnable(GL_TEXTURE_2D);
     glTexEnvi(GL_TEXTURE_ENV, GL_TEXTURE_ENV_MODE, GL_REPLACE);
     glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
-    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_REPEAT);
-    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_REPEAT);
-    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, t.kind == sampling::nearest ? GL_NEAREST : GL_LINEAR);
-    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, minifying(t.kind));
-    if (t.kind == sampling::aniso16) glTexParameterf(GL_TEXTURE_2D, GL_TEXTURE_MAX_ANISOTROPY_EXT, 16);
-    for (int k = 0; k < t.level_count; ++k)
-      glTexImage2D(GL_TEXTURE_2D, k, t.srgb ? GL_SRGB8_ALPHA8 : GL_RGBA8, t.levels[k].width, t.levels[k].height, 0, GL_RGBA, GL_UNSIGNED_BYTE, t.levels[k].rgba);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, wrap_s);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, wrap_t);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, kind == sampling::nearest ? GL_NEAREST : GL_LINEAR);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, minifying(kind));
+    if (kind == sampling::aniso16) glTexParameterf(GL_TEXTURE_2D, GL_TEXTURE_MAX_ANISOTROPY_EXT, 16);
+    for (int k = 0; k < count; ++k)
+      glTexImage2D(GL_TEXTURE_2D, k, srgb ? GL_SRGB8_ALPHA8 : GL_RGBA8, levels[k].width, levels[k].height, 0, GL_RGBA, GL_UNSIGNED_BYTE, levels[k].rgba);
+    return made;
+  }
+
+  void draw_plane() const {
+    glBegin(GL_QUADS);
+    for (const plane_corner& c : corners_) {
+      glTexCoord4d(c.s, c.t, 0, c.q);
+      glVertex2d(c.x, c.y);
+    }
+    glEnd();
   }
 
   void set_corners(const task& t) {
@@ -127,11 +181,13 @@ class mesa_peer final : public peer {
   }
 
   OSMesaContext context_;
-  GLuint texture_ = 0;
+  std::vector<GLuint> textures_;  // of a model: one a mesh
+  std::vector<GLint> firsts_;     // corners of each mesh, and the end
+  GLuint buffer_ = 0;             // of a model's corners; 0: a plane is drawn
   GLuint codes_[2] = {};  // framebuffer and renderbuffer of sRGB codes
   std::vector<uint32_t> pixels_;
   int width_ = 0, height_ = 0;
-  corner corners_[4]{};
+  plane_corner corners_[4]{};
   std::string version_ = "?";
 };
 

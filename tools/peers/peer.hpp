@@ -26,12 +26,33 @@ struct task {
   bool srgb;           // r, g, b are sRGB codes: decoded before they are filtered, encoded where they are written
 };
 
+// Triangles in space, three corners each, as OpenGL has them.
+struct corner { float x, y, z, s, t; };  // s, t: of the map's width and height
+enum class wrapping : uint8_t { repeat, clamp, mirror };
+
+struct mesh {
+  const corner* corners;
+  int corner_count;
+  const level* levels;
+  int level_count;
+  wrapping wrap_s, wrap_t;
+};
+
+struct model_task {
+  const mesh* meshes;  // their corners are read by prepare() alone
+  int mesh_count;
+  int width, height;   // of the picture
+  sampling kind;
+};
+
 class peer {
  public:
   virtual ~peer() = default;
   virtual const char* name() const = 0;
   virtual const char* version() const = 0;
   virtual bool prepare(const task& t) = 0;          // false: not this sampling, or not these colours
+  virtual bool prepare(const model_task&) { return false; }
+  virtual void begin_frame(const double*) {}        // of a model: clears the picture, opaque black; 16 numbers from space to clip coordinates, column by column
   virtual void draw() = 0;                          // of the task prepared last
   virtual void read(uint8_t* rgba) const = 0;       // the picture that draw() left in memory, rows from the top
 };

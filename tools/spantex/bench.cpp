@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "bench_counts.hpp"
+#include "bench_frames.hpp"
 #include "bench_growth.hpp"
 #include "bench_machine.hpp"
 #include "bench_measure.hpp"
@@ -26,14 +27,15 @@ using json = nlohmann::ordered_json;
 
 struct bench_options {
   std::vector<std::string> scenes, filters{"nearest", "bilinear", "three-point", "trilinear", "aniso"}, profiles{"all"}, kernels{"all"}, peers{"all"};
-  std::string matrix, size = "640x480", out;
+  std::string matrix, size = "640x480", out, model, map;
   bench_maps maps;
-  int rounds = 9;
+  double fov_degrees = 40;
+  int rounds = 9, frames = 12;
   std::optional<int> samples;
   bool srgb = false, growth = false, counts = false, draws_only = false;
 };
 
-constexpr int most_rounds = 1000;
+constexpr int most_rounds = 1000, most_frames = 9999;
 
 std::vector<filter> filters_of(const std::vector<std::string>& names) {
   if (names == std::vector<std::string>{"all"}) return judged_filters();
@@ -96,13 +98,23 @@ json to_json(const bench_machine& m) {
           {"compiler", m.compiler}, {"flags", m.flags}, {"commit", m.commit}, {"threads", 1}};
 }
 
+json to_json(const peer_list& peers) {
+  json all = json::array();
+  for (const auto& p : peers) all.push_back({{"name", p->name()}, {"version", p->version()}});
+  return all;
+}
+
 void print_heading(const bench_machine& m, const bench_options& o, const peer_list& peers) {
   printf("%s, %d processors, load %.1f before, %s, %s\n", m.processor.c_str(), m.processors, m.load, m.system.c_str(), m.date.c_str());
   printf("commit %s, %s\n", m.commit.c_str(), build_text(m).c_str());
-  printf("one thread for everybody, %s pixels, at most %d turns each, medians, quartiles and least of ns a pixel\n", o.size.c_str(), o.rounds);
+  printf("one thread for everybody, %s pixels\n", o.size.c_str());
   if (o.srgb) printf("maps are sRGB: filtered in linear light, but for nearest\n");
   if (o.samples) printf("ours by aniso: at most %d samples a pixel\n", *o.samples);
   for (const auto& p : peers) printf("peer %s: %s\n", p->name(), p->version());
+}
+
+void print_table_head(const bench_options& o) {
+  printf("at most %d turns each, medians, quartiles and least of ns a pixel\n", o.rounds);
   printf("\n%-8s %-12s %-9s %-8s %-14s %8s %17s %8s %7s %6s %8s %7s %7s\n", "scene", "filter", "drawer", "profile", "kernel", "ns", "quartiles", "least", "rms",
          "worst", "PSNR dB", "words", "ours dB");
 }
@@ -162,20 +174,79 @@ void measure(const bench_options& o) {
   }
   const std::vector<bench_ratio> ratios = ratios_of(rows);
   print_heading(machine, o, peers);
+  print_table_head(o);
   for (const bench_row& r : rows) print_row(r);
   print_ratios(ratios);
   if (o.growth) print_growth(curves);
   if (!out.wanted()) return;
-  json all{{"machine", to_json(machine)}, {"size", o.size}, {"srgb", o.srgb}, {"samples", o.samples.value_or(max_footprint_samples)}, {"peers", json::array()}, {"rows", json::array()}, {"ratios", json::array()}, {"growth", json::array()}};
-  for (const auto& p : peers) all["peers"].push_back({{"name", p->name()}, {"version", p->version()}});
+  json all{{"machine", to_json(machine)}, {"size", o.size}, {"srgb", o.srgb}, {"samples", o.samples.value_or(max_footprint_samples)}, {"peers", to_json(peers)}, {"rows", json::array()}, {"ratios", json::array()}, {"growth", json::array()}};
   for (const bench_row& r : rows) all["rows"].push_back(to_json(r));
   for (const bench_ratio& r : ratios) all["ratios"].push_back(to_json(r));
   for (const growth_curve& c : curves) all["growth"].push_back(to_json(c));
   out.write(all.dump(1) + "\n");
 }
 
+std::string rounded_to(int digits, double x) {
+  char text[32];
+  snprintf(text, sizeof text, "%.*f", digits, x);
+  return text;
+}
+
+void print_frames(const std::vector<frames_row>& rows) {
+  printf("\n%-12s %-9s %-14s %9s %9s %17s %9s %8s %7s\n", "filter", "drawer", "kernel", "set-up ms", "all ms", "quartiles", "most", "PSNR dB", "ours dB");
+  for (const frames_row& r : rows) {
+    const bool ours = !r.kernel.empty();
+    printf("%-12s %-9s %-14s %9s %9.2f %17s %9.2f %8.2f %7s\n", r.filter.c_str(), r.drawer.c_str(), ours ? r.kernel.c_str() : "-", ours ? rounded_to(2, r.set_up_ms.median).c_str() : "-",
+           r.all_ms.median, (rounded_to(2, r.all_ms.low) + ".." + rounded_to(2, r.all_ms.high)).c_str(), r.most_ms, r.psnr_db, ours ? "-" : rounded_to(2, r.psnr_ours_db).c_str());
+  }
+}
+
+json to_json(const frames_row& r) {
+  json j{{"filter", r.filter}, {"drawer", r.drawer}};
+  if (!r.kernel.empty()) {
+    j["kernel"] = r.kernel;
+    j["set_up_ms"] = to_json(r.set_up_ms);
+  } else {
+    j["psnr_ours_db"] = finite_or_null(r.psnr_ours_db);
+  }
+  j["all_ms"] = to_json(r.all_ms);
+  j["most_ms"] = r.most_ms;
+  j["psnr_db"] = finite_or_null(r.psnr_db);
+  return j;
+}
+
+// Frames of a model or level, with set-up.
+void measure_frames_of_model(const bench_options& o) {
+  const bench_choice choice = choice_of(o);
+  check_range("--frames", o.frames, 1, most_frames);
+  subject_options what;
+  what.subject = o.model;
+  what.map = o.map;
+  what.size = o.size;
+  what.fov_degrees = o.fov_degrees;
+  const sim::output_file out = wanted_output(o.out);
+  const subject_options::loaded subject(what, drawing_options());
+  if (!subject.is_model()) throw sim::input_error("--model: '" + o.model + "' has its own view; only models and levels are drawn frame by frame");
+  check_outputs({{"--json", o.out}}, subject.files());
+  const peer_list peers = load_peers(o.peers);
+  const bench_machine machine = this_machine();
+  std::vector<frames_row> rows;
+  {
+    progress_bar bar("bench", o.frames * int(choice.filters.size()));
+    rows = measure_frames(subject, {choice.filters, choice.kernels, choice.rounds, o.frames}, peers, [&] { bar.advance(1); });
+  }
+  print_heading(machine, o, peers);
+  printf("%s: %d frames, medians, quartiles and most of ms a frame, of %d turns each; from faces in the world to pixels in memory\n", subject.world().name.c_str(), o.frames, o.rounds);
+  print_frames(rows);
+  if (!out.wanted()) return;
+  json all{{"machine", to_json(machine)}, {"size", o.size}, {"model", o.model}, {"map", o.map}, {"frames", o.frames}, {"peers", to_json(peers)}, {"rows", json::array()}};
+  for (const frames_row& r : rows) all["rows"].push_back(to_json(r));
+  out.write(all.dump(1) + "\n");
+}
+
 void run(const bench_options& o) {
   if (o.counts) print_counts(o.draws_only);
+  else if (!o.model.empty()) measure_frames_of_model(o);
   else measure(o);
 }
 
@@ -184,24 +255,36 @@ void run(const bench_options& o) {
 void add_bench_command(CLI::App& app) {
   const auto o = std::make_shared<bench_options>();
   CLI::App& sub = *app.add_subcommand("bench", "time against error: scenes, filters, profiles, kernels, and other programs' renderers side by side");
-  CLI::Option* const of_measuring[] = {
+  CLI::Option* const of_planes[] = {
       sub.add_option("--scenes", o->scenes, joined(bench_scene_names()) + "; separated by commas, or all (which it is without --matrix)")->delimiter(','),
-      sub.add_option("--filters", o->filters, list_of(sim::filter_names) + "; or all; not contour")->delimiter(',')->capture_default_str(),
       sub.add_option("--profiles", o->profiles, list_of(sim::profile_names) + "; or all")->delimiter(',')->capture_default_str(),
-      sub.add_option("--kernels", o->kernels, "scalar and the host's kernels, or all; one that cannot draw a scene or filter has no row there")->delimiter(',')->capture_default_str(),
-      sub.add_option("--peers", o->peers, "files of the folder peers beside this command, or all, or none")->delimiter(',')->capture_default_str(),
       sub.add_option("--matrix", o->matrix, "a plane of your own, as of `spantex plane`, named matrix; after the scenes of --scenes, where they are named"),
       sub.add_option("--texture", o->maps.texture, "map of the planes, a picture, instead of a built-in one"),
       sub.add_option("--models", o->maps.models, "folder of assimp's test models")->capture_default_str(),
-      sub.add_option("--size", o->size, "picture size, WxH")->capture_default_str(),
       sub.add_option("--samples", o->samples, "ours, filter aniso: at most so many samples along a footprint, 1..16" + unless_given(std::to_string(profiles::standard.max_samples))),
-      sub.add_option("--repeat", o->rounds, "turns of each, 1.." + std::to_string(most_rounds) + "; of slow ones (20 ms a picture) three at most")->capture_default_str(),
       sub.add_flag("--growth", o->growth, "also how cost grows with pixels, polygons, map size and overdraw"),
       sub.add_flag("--srgb", o->srgb, "maps are sRGB: levels and filters in linear light; peers that know it")->excludes("--growth"),
+  };
+  CLI::Option* const of_both[] = {
+      sub.add_option("--filters", o->filters, list_of(sim::filter_names) + "; or all; not contour")->delimiter(',')->capture_default_str(),
+      sub.add_option("--kernels", o->kernels, "scalar and the host's kernels, or all; one that cannot draw a scene or filter has no row there")->delimiter(',')->capture_default_str(),
+      sub.add_option("--peers", o->peers, "files of the folder peers beside this command, or all, or none")->delimiter(',')->capture_default_str(),
+      sub.add_option("--size", o->size, "picture size, WxH")->capture_default_str(),
+      sub.add_option("--repeat", o->rounds, "turns of each, 1.." + std::to_string(most_rounds) + "; of slow ones (20 ms a picture) three at most")->capture_default_str(),
       sub.add_option("--json", o->out, "everything measured, as JSON"),
   };
+  CLI::Option* const model = sub.add_option("--model", o->model, "instead: frames of a model or level with its set-up, profile default; peers that draw triangles");
+  CLI::Option* const of_model[] = {
+      model,
+      sub.add_option("--map", o->map, "which level of a .pk3 archive")->needs(model),
+      sub.add_option("--fov", o->fov_degrees, "angle of view of the picture's height, 10..150 degrees")->capture_default_str()->needs(model),
+      sub.add_option("--frames", o->frames, "of a walk through the level, or of the model turned once around, 1.." + std::to_string(most_frames))->capture_default_str()->needs(model),
+  };
+  for (CLI::Option* const other : of_planes) model->excludes(other);
   CLI::Option* const counts = sub.add_flag("--counts", o->counts, "no clock: counts of work on fixed scenes, for baselines; nothing else is chosen then");
-  for (CLI::Option* const other : of_measuring) counts->excludes(other);
+  for (CLI::Option* const other : of_planes) counts->excludes(other);
+  for (CLI::Option* const other : of_both) counts->excludes(other);
+  for (CLI::Option* const other : of_model) counts->excludes(other);
   sub.add_flag("--draws-only", o->draws_only, "with --counts: each row drawn once, for a profiler")->needs(counts);
   sub.footer("rms, worst: colour errors of 0..255 against the 16x16 supersampled reference. words: 64 bits, loaded into local memory, a pixel. ours dB: a peer's picture "
              "against ours in profile default; WRONG if it is no nearer the reference than its mean colour.");

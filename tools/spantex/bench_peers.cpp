@@ -52,6 +52,26 @@ std::optional<peers::sampling> sampling_of(filter kind) {
   }
 }
 
+std::vector<peers::level> levels_of(const sim::texture_map& map) {
+  std::vector<peers::level> levels;
+  for (int k = 0; k < map.level_count(); ++k) {
+    const sim::image& level = map.level(k);
+    levels.push_back({reinterpret_cast<const uint8_t*>(level.pixels.data()), level.width_px, level.height_px});
+  }
+  return levels;
+}
+
+peers::wrapping wrapping_of(wrap w) { return w == wrap::repeat ? peers::wrapping::repeat : w == wrap::clamp ? peers::wrapping::clamp : peers::wrapping::mirror; }
+
+// Of a convex face, corner after corner.
+void add_triangles(std::vector<peers::corner>& to, const sim::world_face& face, const peers::level& map) {
+  const auto add = [&](const sim::world_vertex& v) {
+    to.push_back({float(v.position[0]), float(v.position[1]), float(v.position[2]), float(v.u / map.width), float(v.v / map.height)});
+  };
+  for (size_t k = 2; k < face.corners.size(); ++k)
+    for (const size_t corner : {size_t(0), k - 1, k}) add(face.corners[corner]);
+}
+
 }  // namespace
 
 peer_list load_peers(const std::vector<std::string>& wanted) {
@@ -83,14 +103,27 @@ bool prepare_peer(peers::peer& p, const sim::scene& s, filter kind) {
   const std::optional<peers::sampling> sampling = sampling_of(kind);
   if (!sampling) return false;
   const sim::texture_map& map = (*s.maps)[size_t(s.items[0].map_index)];
-  std::vector<peers::level> levels;
-  for (int k = 0; k < map.level_count(); ++k) {
-    const sim::image& level = map.level(k);
-    levels.push_back({reinterpret_cast<const uint8_t*>(level.pixels.data()), level.width_px, level.height_px});
-  }
+  const std::vector<peers::level> levels = levels_of(map);
   peers::task task{levels.data(), int(levels.size()), {}, s.size.width_px, s.size.height_px, *sampling, map.view_on_demand().colours() == colour_space::srgb && kind != filter::nearest};
   std::copy(s.items[0].plane_matrix.begin(), s.items[0].plane_matrix.end(), task.matrix);
   return p.prepare(task);
+}
+
+bool prepare_peer(peers::peer& p, const sim::world& shape, sim::screen_size size, filter kind) {
+  const std::optional<peers::sampling> sampling = sampling_of(kind);
+  if (!sampling) return false;
+  const size_t maps = shape.maps->size();
+  std::vector<std::vector<peers::level>> levels;
+  for (const sim::texture_map& map : *shape.maps) levels.push_back(levels_of(map));
+  std::vector<std::vector<peers::corner>> corners(maps);
+  for (const sim::world_face& face : shape.faces) add_triangles(corners[size_t(face.map_index)], face, levels[size_t(face.map_index)][0]);
+  std::vector<peers::mesh> meshes;
+  for (size_t k = 0; k < maps; ++k) {
+    const texture_view& view = (*shape.maps)[k].view();
+    if (!corners[k].empty())
+      meshes.push_back({corners[k].data(), int(corners[k].size()), levels[k].data(), int(levels[k].size()), wrapping_of(view.wrap_u()), wrapping_of(view.wrap_v())});
+  }
+  return p.prepare(peers::model_task{meshes.data(), int(meshes.size()), size.width_px, size.height_px, *sampling});
 }
 
 sim::image picture_of(const peers::peer& p, sim::screen_size size) {

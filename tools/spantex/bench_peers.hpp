@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <sim/draw_host.hpp>
+#include <sim/world.hpp>
 #include <tools/peers/peer.hpp>
 
 namespace spantex::tool {
@@ -20,6 +21,8 @@ bool peers_can_draw(const sim::scene& s);
 
 // Makes a peer ready; false where it has no such filter. The scene must outlive its drawing.
 bool prepare_peer(peers::peer& p, const sim::scene& s, filter kind);
+// Of a model; false where it draws no triangles either.
+bool prepare_peer(peers::peer& p, const sim::world& shape, sim::screen_size size, filter kind);
 sim::image picture_of(const peers::peer& p, sim::screen_size size);
 
 }  // namespace spantex::tool

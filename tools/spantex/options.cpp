@@ -403,11 +403,21 @@ void subject_options::loaded::find_distance() {
   if (!camera_.eye && !walks_ && camera_.distance_radii == 0) camera_.distance = sim::framing_distance(*world_, camera_, request_.size);
 }
 
-sim::scene subject_options::loaded::seen_from(const sim::viewpoint& v, sim::thread_team* team) const {
+sim::camera_options subject_options::loaded::camera_at(double turn_degrees) const {
+  sim::camera_options c = camera_;
+  c.yaw_degrees += turn_degrees;
+  return c;
+}
+
+sim::camera_options subject_options::loaded::camera_from(const sim::viewpoint& v) const {
   sim::camera_options c = camera_;
   c.eye = v.eye;
   c.target = v.target;
-  return sim::look_at(*world_, c, request_.size, {nearest_first_, team});
+  return c;
+}
+
+sim::scene subject_options::loaded::set_up(const sim::camera_options& camera, sim::thread_team* team) const {
+  return sim::look_at(*world_, camera, request_.size, {nearest_first_, team});
 }
 
 sim::scene subject_options::loaded::at(double turn_degrees, sim::thread_team* team) const {
@@ -417,11 +427,7 @@ sim::scene subject_options::loaded::at(double turn_degrees, sim::thread_team* te
     return s;
   }
   if (walks_) return seen_from(walk(1).front(), team);
-  if (world_) {
-    sim::camera_options c = camera_;
-    c.yaw_degrees += turn_degrees;
-    return sim::look_at(*world_, c, request_.size, {nearest_first_, team});
-  }
+  if (world_) return set_up(camera_at(turn_degrees), team);
   sim::scene_request turned = request_;
   turned.turn_degrees = turn_degrees;
   sim::scene s = sim::make_named_scene(name_, turned);

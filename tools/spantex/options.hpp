@@ -151,7 +151,13 @@ struct subject_options {
     // A level's textures that have no picture and are grey; null for what is no level.
     const std::vector<std::string>* textures_missing() const { return level_ ? &level_->missing : nullptr; }
     const std::vector<std::string>& files() const { return files_; }  // that it was read from
-    sim::scene seen_from(const sim::viewpoint& v, sim::thread_team* team = nullptr) const;
+    sim::scene seen_from(const sim::viewpoint& v, sim::thread_team* team = nullptr) const { return set_up(camera_from(v), team); }
+    // Of a model or level: the camera of either, and what it sees.
+    const sim::world& world() const { return *world_; }
+    sim::screen_size size() const { return request_.size; }
+    sim::camera_options camera_at(double turn_degrees) const;
+    sim::camera_options camera_from(const sim::viewpoint& v) const;
+    sim::scene set_up(const sim::camera_options& camera, sim::thread_team* team = nullptr) const;
     std::vector<sim::viewpoint> walk(int frames) const { return sim::tour(*level_, frames); }
 
    private:

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+// Masks of a polygon's spans, row by row: the pixels that it covers, in front of the viewer and nearer than what was drawn before, whose depths are stored. The same pixels and depths
+// as by coverage(), front_mask() and depth_test(), span by span; floors are at least as high, as they may rise where several polygons cover a span together.
+#pragma once
+#include <stdint.h>
+
+#include <spantex/draw.hpp>
+#include <spantex/polygon.hpp>
+#include <spantex/visibility.hpp>
+#include "kernel.hpp"
+
+namespace spantex::kernels {
+
+// Spans of a row that may be drawn, and what of them.
+struct row_masks {
+  span_mask mask[max_row_spans];
+  int from, to;  // those with something to draw lie in [from, to)
+};
+
+// A polygon within an area of the frame, ready for its rows of spans.
+class masked_polygon {
+ public:
+  // An edge of whole pixels: a x + b y + first >= 0 inside; first is rounded down, so that the sign is that of edge::at() at the pixel's centre. Where an edge crosses a span its
+  // values there are less than 2^27.
+  struct pixel_edge {
+    int32_t a, b;
+    int64_t first;        // at pixel (0, 0)
+    int32_t least, most;  // that a pixel's value differs from its span's first one's
+  };
+
+  // depth.values null: nothing is hidden. stores: depths of what is visible.
+  masked_polygon(const polygon& p, rectangle area, depth_buffer depth, int32_t frame_width, int32_t frame_height, bool stores);
+
+  const polygon& shape;
+  const rectangle area;  // of pixels, within the frame
+  const depth_buffer depth;
+  const int32_t frame_width, frame_height;
+  const bool stores;
+  const bool in_front;   // W > 0 all over the area's spans
+  int32_t edge_count;
+  pixel_edge edges[max_edges];
+  int32_t first_span() const { return area.x0 / span_side; }
+  int32_t span_count() const { return (area.x1 - 1) / span_side - first_span() + 1; }
+
+  // Before it is shifted by depth_guard_bits: at the first pixel of a span; at its nearest pixel; from span to span.
+  SPANTEX_WRAPS int64_t depth_at_first(int32_t sx, int32_t sy) const {
+    const linear_form& f = shape.depth;
+    return int64_t(uint64_t(f.c) + uint64_t(f.x) * uint64_t(2 * span_side * sx + 1 - shape.map.origin_x) + uint64_t(f.y) * uint64_t(2 * span_side * sy + 1 - shape.map.origin_y));
+  }
+  SPANTEX_WRAPS int64_t nearest_in_span(int32_t sx, int32_t sy) const {
+    constexpr uint64_t side = 2 * (span_side - 1);
+    const linear_form& f = shape.depth;
+    return int64_t(uint64_t(depth_at_first(sx, sy)) + (f.x > 0 ? side * uint64_t(f.x) : 0) + (f.y > 0 ? side * uint64_t(f.y) : 0));
+  }
+  SPANTEX_WRAPS uint64_t depth_step() const { return 2 * span_side * uint64_t(shape.depth.x); }
+
+  // Null: there are none.
+  uint32_t* floor_of(int32_t sx, int32_t sy) const { return depth.values == nullptr || depth.floors == nullptr ? nullptr : &depth.floors[sy * ((frame_width + span_side - 1) / span_side) + sx]; }
+  // Of a span within the frame some of whose pixels were stored; farthest(): the least depth in it.
+  template <class Farthest>
+  void raise_floor(int32_t sx, int32_t sy, span_mask stored, Farthest farthest) const {
+    uint32_t* const floor = stored != 0 ? floor_of(sx, sy) : nullptr;
+    if (floor == nullptr) return;
+    if (const uint32_t least = farthest(); least > *floor) *floor = least;
+  }
+};
+
+// What a row of its spans begins with, of the first of them.
+struct masked_row {
+  int64_t edges[max_edges];  // at its first pixel
+  int64_t nearest;           // nearest_in_span()
+  const uint32_t* floors;    // null: there are none
+
+  masked_row(const masked_polygon& p, int32_t sy) : nearest(p.nearest_in_span(p.first_span(), sy)), floors(p.floor_of(p.first_span(), sy)) {
+    for (int e = 0; e < p.edge_count; ++e) edges[e] = p.edges[e].first + int64_t(p.edges[e].b) * (sy * span_side) + int64_t(p.edges[e].a) * (p.first_span() * span_side);
+  }
+  SPANTEX_WRAPS int64_t nearest_of(const masked_polygon& p, int k) const { return int64_t(uint64_t(nearest) + p.depth_step() * uint64_t(k)); }
+  int64_t edge_at(const masked_polygon& p, int e, int k) const { return edges[e] + int64_t(p.edges[e].a) * (span_side * k); }  // of span k
+  // The same in 32 bits of a span that no edge leaves out: less where it is so far inside that no pixel of it is outside.
+  int32_t near_edge(const masked_polygon& p, int e, int k) const {
+    const int64_t at = edge_at(p, e, k);
+    return at < 1 << 30 ? int32_t(at) : 1 << 30;
+  }
+};
+
+// Of span_count() spans from first_span() on. leaves: so many, true where nothing is to be drawn and nothing counted; null: nowhere. What a span is counted as, empty or hidden, where it is
+// both, is not said.
+using row_cover = void (*)(const masked_polygon& p, int32_t sy, const bool* leaves, row_masks& out, draw_counters& counts);
+
+row_cover avx512_cover();  // null where this machine has not what it takes
+row_cover avx2_cover();
+row_cover words_cover();   // anything
+
+row_cover cover_of(choice c);
+
+}  // namespace spantex::kernels
