@@ -405,6 +405,7 @@ draw_result draw(const scene& all, const draw_options& options, frame_before* be
   const scene& s = without_culled(all, options.culled, kept_items);
   draw_result result;
   result.polygons_outside = s.polygons_outside;
+  result.polygons_hidden = s.polygons_hidden;
   result.polygons_culled = int(all.items.size() - s.items.size());
   result.picture = image(s.size.width_px, s.size.height_px, options.background);
   if (!s.maps->empty()) result.format = s.maps->front().view_on_demand().format();

@@ -124,7 +124,7 @@ struct draw_result {
   image picture;
   draw_counters work;                // of one repetition, summed over the threads
   skip_counters skipped;
-  int polygons_outside = 0, polygons_culled = 0, levels_left_out = 0, spans_unchanged = 0;
+  int polygons_outside = 0, polygons_hidden = 0, polygons_culled = 0, levels_left_out = 0, spans_unchanged = 0;
   texel_format format = texel_format::rgba8888;  // of the first map
   colour_space colours = colour_space::coded;    // likewise
   std::string_view kernel = "scalar";            // what drew: see kernel_names

@@ -39,7 +39,7 @@ struct scene {
   screen_size size{};
   std::shared_ptr<const map_list> maps;  // shared by the frames of a turntable
   std::vector<drawable> items;
-  int polygons_outside = 0;  // left out before set-up
+  int polygons_outside = 0, polygons_hidden = 0;  // left out before set-up
 
   const texture_map& map_of(const drawable& item) const { return (*maps)[size_t(item.map_index)]; }
   const texture_view& texture(const drawable& item) const { return map_of(item).view(); }

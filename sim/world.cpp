@@ -6,8 +6,10 @@
 #include <algorithm>
 #include <cstddef>
 #include <iterator>
+#include <span>
 #include <utility>
 
+#include "occlusion.hpp"
 #include "parallel.hpp"
 
 namespace spantex::sim {
@@ -119,11 +121,43 @@ double near_of(const world& w, const frame& f) {
   return std::max(part_of_nearest * nearest_depth(w, f, nearest_radii * w.radius) / w.radius, nearest_radii) * engine_radius;
 }
 
-void add_face(scene& s, const lens& view, const world_face& face, const frame& f, double scale) {
+// before: null, where hidden ones are set up too.
+void add_face(scene& s, const lens& view, const world_face& face, const frame& f, double scale, const occlusion* before) {
   vertex corners[max_polygon_vertices];
   int count = 0;
   for (const world_vertex& c : face.corners) corners[count++] = to_vertex(c, f, scale);
-  add_polygon(s, view, corners, count, face.map_index);
+  if (before != nullptr && before->hides(corners, count, view)) ++s.polygons_hidden;
+  else add_polygon(s, view, corners, count, face.map_index);
+}
+
+// Sets some faces up, a part of them a thread.
+void add_faces(scene& s, std::span<const world_face* const> faces, const lens& view, const frame& f, double scale, thread_team* team, const occlusion* before) {
+  const size_t count = team == nullptr || faces.empty() ? 1 : std::min(size_t(team->size()), faces.size());
+  std::vector<scene> others(count - 1);  // the first part goes where it belongs
+  for (scene& part : others) part.name = s.name;
+  const auto set_up = [&](int k) {
+    const auto at = [&](size_t part) { return faces.size() * part / count; };
+    for (const world_face* face : faces.subspan(at(size_t(k)), at(size_t(k) + 1) - at(size_t(k)))) add_face(k == 0 ? s : others[size_t(k - 1)], view, *face, f, scale, before);
+  };
+  if (count == 1) set_up(0);
+  else team->run(int(count), set_up);
+  for (scene& part : others) {
+    s.items.insert(s.items.end(), std::move_iterator(part.items.begin()), std::move_iterator(part.items.end()));
+    s.polygons_outside += part.polygons_outside;
+    s.polygons_hidden += part.polygons_hidden;
+  }
+}
+
+// Nearest ones first and in parts that double, each without what those before it hide.
+void add_faces_that_show(scene& s, std::span<const world_face* const> faces, const lens& view, const frame& f, double scale, thread_team* team) {
+  constexpr size_t first_part = 64;
+  occlusion before(s.size);
+  for (size_t begin = 0, end; begin < faces.size(); begin = end) {
+    end = std::min(faces.size(), begin + std::max(begin, first_part));
+    const size_t known = s.items.size();
+    add_faces(s, faces.subspan(begin, end - begin), view, f, scale, team, &before);
+    for (size_t k = known; k < s.items.size(); ++k) before.add(s.items[k].shape);
+  }
 }
 
 }  // namespace
@@ -192,19 +226,13 @@ scene look_at(const world& w, const camera_options& camera, screen_size size, co
   lens view = make_lens(size, radians(camera.vertical_degrees), near_of(w, f));
   view.skips_outside = camera.skips_outside;
   const std::vector<const world_face*> faces = faces_in_view(w, view, f, scale, how.nearest_first);
-  std::vector<scene> parts(how.team == nullptr ? 1 : size_t(how.team->size()), s);
-  const auto set_up = [&](int k) {
-    const auto at = [&](int part) { return faces.begin() + std::ptrdiff_t(faces.size() * size_t(part) / parts.size()); };
-    scene& part = parts[size_t(k)];
-    part.items.reserve(k == 0 ? faces.size() : size_t(at(k + 1) - at(k)));
-    std::for_each(at(k), at(k + 1), [&](const world_face* face) { add_face(part, view, *face, f, scale); });
-  };
-  if (how.team == nullptr) set_up(0);
-  else how.team->run(int(parts.size()), set_up);
-  s.items = std::move(parts[0].items);
-  for (size_t k = 1; k < parts.size(); ++k) s.items.insert(s.items.end(), std::move_iterator(parts[k].items.begin()), std::move_iterator(parts[k].items.end()));
-  s.polygons_outside = int(w.faces.size() - faces.size());
-  for (const scene& part : parts) s.polygons_outside += part.polygons_outside;
+  if (how.leaves_hidden) {
+    add_faces_that_show(s, faces, view, f, scale, how.team);
+  } else {
+    s.items.reserve(faces.size());
+    add_faces(s, faces, view, f, scale, how.team, nullptr);
+  }
+  s.polygons_outside += int(w.faces.size() - faces.size());
   return s;
 }
 

@@ -58,6 +58,7 @@ class thread_team;
 struct set_up_options {
   bool nearest_first = false;   // nearest_first(), without moving what is set up
   thread_team* team = nullptr;  // null: by the caller's thread alone
+  bool leaves_hidden = false;   // faces of which nothing is seen if all of them are drawn, opaque, are not set up (occlusion.hpp); which of them does not depend on the team
 };
 
 // `w` as it was measured. Throws input_error: a camera too far away or at its own target.

@@ -7,12 +7,13 @@ F = "firmware/spantex/"
 STRESS = ["stress", "a_short_run*", [f"sim/stress{part}.cpp" for part in ("", "_describe", "_footprints", "_judge", "_planes", "_polygons")]]
 OBJECT_SPACE = ["sim/" + name + ".cpp" for name in ("distance_field", "draw_host", "encode", "encode_bc", "encode_etc", "figures", "file", "ideal",
                                                     "image", "map", "object_space_host", "palette", "pattern", "prefilter", "quality", "reference",
-                                                    "scene", "trace", "unchanged", "world")] + KERNELS
+                                                    "occlusion", "scene", "trace", "unchanged", "world")] + KERNELS
 MAPS = ["sim/" + name + ".cpp" for name in ("encode", "encode_bc", "encode_etc", "file", "image", "map", "palette", "pattern", "prefilter")] + [f"hal/kernels/{name}.cpp" for name in ("byte_planes", "planar_map", "row_levels")]
 PACKS = MAPS + ["sim/pack.cpp", "sim/inverse_filter.cpp"]
-WORLD = MAPS + ["sim/" + name + ".cpp" for name in ("ideal", "scene", "world")]
+SCENES = MAPS + ["sim/" + name + ".cpp" for name in ("ideal", "scene")]
+WORLD = SCENES + ["sim/" + name + ".cpp" for name in ("occlusion", "reference", "world")] + [k for k in KERNELS if k not in MAPS]
 LEVELS = WORLD + ["sim/" + name + ".cpp" for name in ("archive", "level", "model", "tour")]
-REFERENCES = WORLD[:-1] + ["sim/reference.cpp"]  # without worlds
+REFERENCES = SCENES + ["sim/reference.cpp"]  # without worlds
 FIELDS = PACKS + ["sim/distance_field.cpp"]
 LIBRARIES = {"bc": ["-lsquish"], "quake_level": ["-lassimp", "-lzip"]}  # that a suite links
 
@@ -461,7 +462,12 @@ GATES = [
     ("balls before the near plane left out", "sim/world.cpp", "add(f.forward * -1, -real(view.camera.near_z));", "add(f.forward * -1, -1 - 2 * real(view.camera.near_z));", "world", "what_is_left_out*", WORLD),
     ("the nearest corner passed over", "sim/world.cpp", "- face.bound.radius > least + rounding", "> least + rounding", "world", "the_near_plane*", WORLD),
     ("depths unsorted in set-up", "sim/world.cpp", "std::sort(by_depth.begin(), by_depth.end());", "", "world", "order_and_threads*", WORLD),
-    ("half a picture's faces", "sim/world.cpp", "at(k), at(k + 1), [&]", "at(k) + (k > 0), at(k + 1), [&]", "world", "order_and_threads*", WORLD),
+    ("half a picture's faces", "sim/world.cpp", "return faces.size() * part / count;", "return faces.size() * part / (count + 1);", "world", "order_and_threads*", WORLD),
+    ("hidden triangles: depths of corners that are not snapped", F + "visibility.hpp", "uint64_t(steepest / least_area)", "uint64_t(0)", "visibility", "no_pixel_is_nearer_than_the_bound", []),
+    ("hidden triangles: W of all its bits", F + "visibility.hpp", "uint64_t(box_px + 1) * ((most_texel >> 16) + 1)", "uint64_t(box_px + 1)", "visibility", "no_pixel_is_nearer*few_bits", []),
+    ("hidden faces: what several polygons cover as near as the last of them", "sim/occlusion.cpp", "together.least = std::min(together.least, least);", "together.least = least;", "world", "what_others_hide*", WORLD),
+    ("hidden faces: spans that are covered in part", "sim/occlusion.cpp", "if (together.covered != full_mask) continue;", "if (__builtin_popcountll(together.covered) < 48) continue;", "world", "what_others_hide*", WORLD),
+    ("hidden faces: polygons that come later", "sim/world.cpp", "before->hides(corners, count, view)", "before->hides(corners, count, view) == (s.items.size() % 8 != 7)", "world", "what_others_hide*", WORLD),
     ("halves rounded towards zero", "sim/scene.hpp", "(rest >= 0.5) -", "(rest > 0.5) -", "world", "numbers*", WORLD),
     ("a level's vertices believed", "sim/level.cpp", "if (index >= count) throw damaged(k);", "if (index >= count) continue;", "quake_level", "damaged*", LEVELS),
     ("triangles of a level not counted", "sim/level.cpp", "if (triangles > most_triangles)", "if (triangles > most_triangles * 9)", "quake_level", "triangles_are*", LEVELS),

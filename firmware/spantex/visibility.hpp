@@ -66,6 +66,78 @@ SPANTEX_WRAPS constexpr span_mask depth_test(const polygon& p, int32_t sx, int32
   return visible;
 }
 
+// --- triangles that are hidden as a whole ------------------------------------------------------------------
+
+namespace detail {
+
+// A corner on the screen, in 1/256 pixel, and near/z as u0.31, rounded down.
+struct seen_corner { int32_t x, y; int64_t depth; };
+
+inline constexpr uint64_t no_bound = UINT64_MAX;
+
+// What the depth of no pixel of a triangle exceeds, whose texture coordinates are at most most_texel (s15.16) in size, in a box of at most box_px pixels down and across together;
+// no_bound where its corners, that are snapped, do not tell: it may be narrower than some 1/64 pixel.
+//
+// A pixel that is covered lies between snapped corners, each of them half a unit or less from where it is along either axis. So its depth, which is linear, is at most the largest of the
+// corners' and half of G, the sum of its two slopes. Of differences of corners that are off by a unit, G <= (|nx| + |ny| + errors) / (A - P): nx = (d1 - d0)(y2 - y0) - (d2 - d0)(y1 - y0), A twice the area, P what
+// it may be off by. To that comes what set-up rounds, half a unit of each coefficient of W. Units are 2^-44 of the largest W around the box, which is what the corners' is and G a unit on the way: the other half of
+// G is more. Or 2^-58 of the largest |Nu| or |Nv| (normalise()), which is at most `spread` times what it would be at a corner, as barycentric coordinates have it. Depth's own form is off by less than 2^-28
+// of the depth and by four.
+constexpr uint64_t depth_bound(const seen_corner (&c)[3], uint32_t most_texel, int32_t box_px) {
+  const auto size = [](int64_t x) { return int64_t(magnitude(x)); };
+  const int64_t x1 = c[1].x - c[0].x, x2 = c[2].x - c[0].x, y1 = c[1].y - c[0].y, y2 = c[2].y - c[0].y, d1 = c[1].depth - c[0].depth, d2 = c[2].depth - c[0].depth;
+  const int64_t sides = size(x1) + size(x2) + size(y1) + size(y2), area = size(x1 * y2 - x2 * y1), least_area = area - sides - 2;
+  if (least_area <= sides + 2) return no_bound;
+  const int64_t steepest = size(d1 * y2 - d2 * y1) + size(d2 * x1 - d1 * x2) + 2 * (size(d1) + size(d2) + 2) + sides;
+  constexpr int64_t around_box = 16 << subpixel_bits;
+  const int64_t spread = 4 + (sides + around_box) * (2 * sides) / least_area;
+  constexpr int most_spread_bits = 20;
+  if (spread >> most_spread_bits != 0) return no_bound;
+  uint64_t most = 0;
+  for (const seen_corner& k : c) most = uint64_t(k.depth) > most ? uint64_t(k.depth) : most;
+  const uint64_t units = uint64_t(spread) * uint64_t(box_px + 1) * ((most_texel >> 16) + 1);  // of 2^-59 of the depth
+  return most + uint64_t(steepest / least_area) + (((most >> 16) + 1) * ((units >> 16) + 1) >> 27) + (most >> 28) + 8;
+}
+
+}  // namespace detail
+
+// Whether a triangle, three vertices, is hidden by what was drawn before: nowhere nearer than the floor (depth_buffer) of any span that it may meet, so that set-up, which costs ten times as much, and its spans would
+// come to nothing. False for what this cannot tell: what the near plane or the guard band cuts, and slivers; and for what is outside of the clip rectangle. Holds for opaque pixels as for others.
+constexpr bool is_hidden(const vertex* triangle, const projection& camera, rectangle clip, const uint32_t* floors, int32_t frame_width) {
+  if (!on_screen(clip) || camera.near_z <= 0) return false;
+  detail::seen_corner corners[3]{};
+  int32_t left = INT32_MAX, top = INT32_MAX, right = INT32_MIN, bottom = INT32_MIN;
+  uint32_t most_texel = 0;
+  uint64_t nearest = 0;
+  for (int k = 0; k < 3; ++k) {
+    const vertex& v = triangle[k];
+    const homogeneous_point p = project(v, camera);
+    if (p.z < camera.near_z || magnitude(p.x) >= max_homogeneous || magnitude(p.y) >= max_homogeneous) return false;
+    detail::seen_corner& c = corners[k];
+    c = {detail::snapped(p.x, p.z), detail::snapped(p.y, p.z), (int64_t(camera.near_z) << 31) / p.z};
+    constexpr uint64_t guard = uint64_t(guard_px) << subpixel_bits;
+    if (magnitude(c.x) >= guard || magnitude(c.y) >= guard) return false;
+    left = min_of(left, c.x);
+    top = min_of(top, c.y);
+    right = max_of(right, c.x);
+    bottom = max_of(bottom, c.y);
+    nearest = uint64_t(c.depth) > nearest ? uint64_t(c.depth) : nearest;
+    const uint32_t u = uint32_t(magnitude(v.u)), farther = magnitude(v.v) > u ? uint32_t(magnitude(v.v)) : u;
+    most_texel = farther > most_texel ? farther : most_texel;
+  }
+  const rectangle box = intersection(clip, {left >> subpixel_bits, top >> subpixel_bits, (right >> subpixel_bits) + 1, (bottom >> subpixel_bits) + 1});
+  if (box.empty()) return false;
+  const int32_t columns = (frame_width + span_side - 1) / span_side;
+  uint32_t least = UINT32_MAX;
+  for (int32_t sy = box.y0 / span_side; sy <= (box.y1 - 1) / span_side; ++sy)
+    for (int32_t sx = box.x0 / span_side; sx <= (box.x1 - 1) / span_side; ++sx) {
+      const uint32_t floor = floors[sy * columns + sx];
+      if (floor <= nearest) return false;
+      least = floor < least ? floor : least;
+    }
+  return detail::depth_bound(corners, most_texel, box.x1 - box.x0 + box.y1 - box.y0) <= least;
+}
+
 // --- depths before colours ---------------------------------------------------------------------------------
 
 // Opaque surfaces, of which nothing is to be filtered that another one hides, in whatever order they come: first lay_depths() of each, which stores what is nearest, then reopen_depths() once, then

@@ -28,7 +28,7 @@ class masked_polygon {
     int32_t least, most;  // that a pixel's value differs from its span's first one's
   };
 
-  // depth.values null: nothing is hidden. stores: depths of what is visible.
+  // depth.values null: no pixel is compared, spans with floors where there are. stores: depths of what is visible.
   masked_polygon(const polygon& p, rectangle area, depth_buffer depth, int32_t frame_width, int32_t frame_height, bool stores);
 
   const polygon& shape;
@@ -55,7 +55,7 @@ class masked_polygon {
   SPANTEX_WRAPS uint64_t depth_step() const { return 2 * span_side * uint64_t(shape.depth.x); }
 
   // Null: there are none.
-  uint32_t* floor_of(int32_t sx, int32_t sy) const { return depth.values == nullptr || depth.floors == nullptr ? nullptr : &depth.floors[sy * ((frame_width + span_side - 1) / span_side) + sx]; }
+  uint32_t* floor_of(int32_t sx, int32_t sy) const { return depth.floors == nullptr ? nullptr : &depth.floors[sy * ((frame_width + span_side - 1) / span_side) + sx]; }
   // Of a span within the frame some of whose pixels were stored; farthest(): the least depth in it.
   template <class Farthest>
   void raise_floor(int32_t sx, int32_t sy, span_mask stored, Farthest farthest) const {

@@ -11,6 +11,7 @@
 #include <string>
 #include <utility>
 
+#include <sim/draw_host.hpp>
 #include <sim/level.hpp>
 #include <tests/support.hpp>  // last: cmocka's macro fail is a name of the standard library's
 
@@ -129,6 +130,31 @@ SPANTEX_CASE(frames_of_levels_cost_at_most_three_tenths_more_than_their_visible_
       sum.over.pixels_tested += frame.over.pixels_tested, sum.over.pixels_shown += frame.over.pixels_shown;
     }
     assert_true(costs_little_more(name, sum));
+  }
+}
+
+SPANTEX_CASE(hidden_faces_of_levels_show_nothing) {
+  const char* const archive = "/usr/share/games/openarena/baseoa/pak1-maps.pk3";
+  if (access(archive, R_OK) != 0) skip();  // tools/setup levels
+  for (const char* const name : {"oa_dm3", "oa_rpg3dm2", "czest1dm"}) {
+    static level l;
+    static scene all, some;
+    static draw_result whole, part;
+    l = load_level(archive, name, {});
+    size_t set_up = 0, hidden = 0;
+    for (const viewpoint& v : tour(l, 12)) {
+      camera_options c;
+      c.eye = v.eye, c.target = v.target, c.vertical_degrees = 60;
+      all = look_at(l.drawn, c, screen, {true, nullptr, false});
+      some = look_at(l.drawn, c, screen, {true, nullptr, true});
+      whole = draw(all, {});
+      part = draw(some, {});
+      assert_true(whole.picture.pixels == part.picture.pixels);
+      set_up += some.items.size();
+      hidden += size_t(some.polygons_hidden);
+    }
+    print_message("%s: %zu faces hidden, %zu set up\n", name, hidden, set_up);
+    assert_true(hidden > 2 * set_up);
   }
 }
 
@@ -420,6 +446,7 @@ int main() {
   const CMUnitTest tests[] = {
       cmocka_unit_test(eight_layers_cost_at_most_three_tenths_more_than_one),
       cmocka_unit_test(frames_of_levels_cost_at_most_three_tenths_more_than_their_visible_pixels),
+      cmocka_unit_test(hidden_faces_of_levels_show_nothing),
       cmocka_unit_test(a_map_is_read_with_its_patches_and_places),
       cmocka_unit_test(damaged_maps_are_refused),
       cmocka_unit_test(faces_beyond_the_range_are_cut),

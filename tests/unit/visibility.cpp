@@ -133,6 +133,104 @@ SPANTEX_CASE(no_pixel_of_a_span_is_farther_than_its_floor) {
   assert_in_range(spans_hidden, 100, 100000);  // floors hide something
 }
 
+// The lowest floor that hides a triangle, 0 where none does, against the depth of every pixel that it covers.
+uint32_t lowest_floor(const vertex (&v)[3], const polygon& p, const projection& seen, int32_t across_px, int32_t down_px) {
+  static uint32_t floors[64 * 64];
+  const int32_t columns = (across_px + 7) / 8, rows = (down_px + 7) / 8;
+  const auto hides = [&](uint32_t floor) {
+    std::fill(floors, floors + columns * rows, floor);
+    return is_hidden(v, seen, {0, 0, across_px, down_px}, floors, across_px);
+  };
+  uint32_t low = 0, high = uint32_t(1) << 31;
+  if (!hides(high)) return 0;
+  while (low + 1 < high) {
+    const uint32_t middle = low + (high - low) / 2;
+    (hides(middle) ? high : low) = middle;
+  }
+  uint32_t nearest = 0;
+  for (int32_t sy = 0; sy < rows; ++sy)
+    for (int32_t sx = 0; sx < columns; ++sx)
+      for (span_mask mask = coverage(p.edges, sx, sy) & rectangle_mask(p.box, sx, sy); mask != 0; mask &= mask - 1) {
+        const int k = __builtin_ctzll(mask);
+        nearest = std::max(nearest, depth_at(p, 2 * (sx * 8 + k % 8) + 1, 2 * (sy * 8 + k / 8) + 1));
+      }
+  assert_true(nearest <= high);
+  return high;
+}
+
+vertex moved(random_source& random, const vertex& v, int64_t across_by, int64_t deep_by) {
+  const auto near = [&](int64_t x, int64_t by) { return int32_t(clamp_to(x + random.between(-by, by), int64_t(INT32_MIN), int64_t(INT32_MAX))); };
+  return {near(v.x, across_by), near(v.y, across_by), max_of(near(v.z, deep_by), 1), v.u, v.v};
+}
+
+// Ordinary triangles, slivers, edge-on ones, far and near ones.
+SPANTEX_CASE(no_pixel_is_nearer_than_the_bound) {
+  random_source random(71);
+  const int count = short_run() ? 20000 : 1000000;
+  int hidden = 0;
+  for (int n = 0; n < count; ++n) {
+    const int32_t z = random.between(1, 6) == 1 ? int32_t(random.between(1000, 32000)) * one : int32_t(random.between(one / 8, 60 * one));
+    const vertex middle{int32_t(random.between(-z, z)), int32_t(random.between(-z / 2, z / 2)), z, 0, 0};
+    const int64_t reach = z >> random.between(0, 12), deep = z >> random.between(1, 16);
+    vertex v[3] = {moved(random, middle, reach, deep), moved(random, middle, reach, deep), moved(random, middle, reach, deep)};
+    if (n % 3 == 0) {  // a steep sliver: the last corner near the line between the others, which are as deep as each other, and behind it
+      const int64_t part = random.between(0, 256);
+      const auto between = [&](int32_t a, int32_t b) { return int32_t(a + ((int64_t(b) - a) * part >> 8)); };
+      v[1].z = v[0].z;
+      v[2] = moved(random, {between(v[0].x, v[1].x), between(v[0].y, v[1].y), v[0].z + int32_t(random.between(0, v[0].z / 2)), 0, 0}, z >> random.between(3, 10), 0);
+    }
+    const projection seen{60 * one, 60 * one, width * one / 2, height * one / 2, n % 5 == 0 ? 1 : one / 16};
+    polygon p{};
+    if (make_polygon(v, 3, seen, {0, 0, width, height}, p) == status::ok) hidden += lowest_floor(v, p, seen, width, height) != 0;
+  }
+  assert_true(hidden > count / 3);
+}
+
+// Slivers from corner to corner, almost facing the viewer, whose texture coordinates leave W few bits: what its form is rounded by is more than what snapped corners make.
+SPANTEX_CASE(no_pixel_is_nearer_than_the_bound_where_w_has_few_bits) {
+  random_source random(72);
+  constexpr int32_t side = 512;
+  int hidden = 0;
+  for (int n = 0; n < (short_run() ? 600 : 2000); ++n) {
+    const int32_t z = int32_t(random.between(4096, 16384)) * one;
+    const projection seen{side * one / 2, side * one / 2, side * one / 2, side * one / 2, z / 2};
+    const int64_t texels = INT32_MAX >> random.between(0, 3), deep = random.between(0, 8), thin = z >> random.between(6, 10);
+    vertex v[3] = {moved(random, {-z, -z, z, 0, 0}, thin, deep), moved(random, {z, z, z, 0, 0}, thin, deep), moved(random, {0, 0, z, 0, 0}, thin, deep)};
+    for (vertex& c : v) {
+      c.u = int32_t(random.between(-texels, texels));
+      c.v = int32_t(random.between(-texels, texels));
+    }
+    polygon p{};
+    if (make_polygon(v, 3, seen, {0, 0, side, side}, p) == status::ok) hidden += lowest_floor(v, p, seen, side, side) != 0;
+  }
+  assert_true(hidden > (short_run() ? 300 : 1000));
+}
+
+// What it says is hidden shows nothing, span by span; and it says so of most of what shows nothing behind a wall.
+SPANTEX_CASE(hidden_triangles_show_nothing) {
+  int hidden = 0, shows_nothing = 0;
+  for (uint64_t seed = 1; seed <= 40; ++seed) {
+    with = {};
+    random_source random{seed};
+    for (int n = 0; n < 200; ++n) {
+      vertex v[3];
+      const int32_t z = int32_t(random.between(one / 2, 40 * one)), side = n < 20 ? 2 * z : z / 4;
+      const int64_t x = random.between(-z, z), y = random.between(-z / 2, z / 2);
+      for (vertex& c : v) c = {int32_t(x + random.between(-side, side)), int32_t(y + random.between(-side, side)), int32_t(z + random.between(-z / 8, z / 8)), 0, 0};
+      polygon p{};
+      if (make_polygon(v, 3, camera, {0, 0, width, height}, p) != status::ok) continue;
+      const bool said = is_hidden(v, camera, {0, 0, width, height}, with.floors, width);
+      uint64_t shown = 0;
+      each_span(p, [&](int32_t sx, int32_t sy, span_mask mask) { shown += uint64_t(__builtin_popcountll(depth_test(p, sx, sy, mask, {with.values, with.floors}, width, true))); });
+      if (said) assert_int_equal(shown, 0);
+      hidden += said;
+      shows_nothing += shown == 0;
+    }
+  }
+  print_message("%d hidden of %d that show nothing\n", hidden, shows_nothing);
+  assert_true(hidden > 200);
+}
+
 SPANTEX_CASE(depths_of_a_span_lie_between_its_corners) {
   random_source random(3);
   for (int n = 0; n < 200; ++n) {
@@ -217,6 +315,9 @@ int main() {
       cmocka_unit_test(floors_change_no_pixel_and_no_depth),
       cmocka_unit_test(depths_first_show_what_is_seen_and_nothing_else),
       cmocka_unit_test(no_pixel_of_a_span_is_farther_than_its_floor),
+      cmocka_unit_test(no_pixel_is_nearer_than_the_bound),
+      cmocka_unit_test(no_pixel_is_nearer_than_the_bound_where_w_has_few_bits),
+      cmocka_unit_test(hidden_triangles_show_nothing),
       cmocka_unit_test(depths_of_a_span_lie_between_its_corners),
       cmocka_unit_test(what_is_nearer_is_seen_and_kept),
       cmocka_unit_test(slivers_are_hidden_by_nothing_but_nearer_pixels),

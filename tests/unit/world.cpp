@@ -5,6 +5,7 @@
 #include <memory>
 
 #include <sim/parallel.hpp>
+#include <sim/reference.hpp>
 #include <sim/world.hpp>
 #include <tests/support.hpp>
 
@@ -107,6 +108,52 @@ SPANTEX_CASE(order_and_threads_leave_set_up_as_it_is) {
   }
 }
 
+// Of walls before a crowd of small triangles, most are hidden: every pixel shows what it showed, as deep; which are left out does not depend on order or threads.
+SPANTEX_CASE(what_others_hide_is_not_set_up) {
+  random_source r(36);
+  thread_team two(2), many(5), *const none = nullptr;
+  int set_up = 0, hidden = 0;
+  for (int n = 0; n < 40; ++n) {
+    world w = triangles(r);
+    w.faces.resize(50);
+    for (int k = 0; k < 800; ++k) {  // walls, and small ones, as meshes have them, some of four corners
+      const vector3d at{w.centre[0] + within(r, 50), w.centre[1] + within(r, 50), w.centre[2] + within(r, 50)};
+      const double size = k < 60 ? 70 : 3;
+      world_face f{{}, 0};
+      for (int c = 0; c < 3; ++c) f.corners.push_back({{at[0] + within(r, size), at[1] + within(r, size), at[2] + within(r, size)}, within(r, 2000), within(r, 2000)});
+      if (k % 16 == 0) {
+        world_vertex fourth = f.corners[2];
+        for (size_t axis = 0; axis < 3; ++axis) fourth.position[axis] += f.corners[0].position[axis] - f.corners[1].position[axis];
+        f.corners.push_back(fourth);
+      }
+      w.faces.push_back(f);
+    }
+    w.measure();
+    for (int k = 0; k < 4; ++k) {
+      const screen_size size{int(r.between(1, 400)), int(r.between(1, 300))};
+      const camera_options c = anywhere(r, w);
+      const bool nearest = r.between(0, 3) != 0;
+      const scene all = look_at(w, c, size, {nearest, none, false}), some = look_at(w, c, size, {nearest, none, true});
+      assert_int_equal(all.polygons_hidden, 0);
+      for (thread_team* const team : {&two, &many}) {
+        const scene by_team = look_at(w, c, size, {nearest, team, true});
+        assert_true(same_items(some, by_team));
+        assert_int_equal(by_team.polygons_hidden, some.polygons_hidden);
+      }
+      const std::vector<int> seen = visible_items(all), still = visible_items(some);
+      for (size_t at = 0; at < seen.size(); ++at) {
+        assert_int_equal(seen[at] < 0, still[at] < 0);
+        if (seen[at] >= 0) assert_true(all.items[size_t(seen[at])].shape == some.items[size_t(still[at])].shape);
+      }
+      set_up += int(some.items.size());
+      hidden += some.polygons_hidden;
+      assert_true(all.items.size() <= some.items.size() + size_t(some.polygons_hidden));  // some of the hidden would have been found outside, or degenerate
+    }
+  }
+  print_message("%d hidden, %d set up\n", hidden, set_up);
+  assert_true(hidden > 5000 && set_up > 5000);
+}
+
 SPANTEX_CASE(a_turntable_s_distance_is_found_once) {
   random_source r(33);
   const world w = triangles(r);
@@ -146,6 +193,7 @@ int main() {
       cmocka_unit_test(what_is_left_out_covers_nothing),
       cmocka_unit_test(the_near_plane_lies_before_the_nearest_corner),
       cmocka_unit_test(order_and_threads_leave_set_up_as_it_is),
+      cmocka_unit_test(what_others_hide_is_not_set_up),
       cmocka_unit_test(a_turntable_s_distance_is_found_once),
       cmocka_unit_test(numbers_are_rounded_as_by_lround),
   };

@@ -35,6 +35,7 @@ nlohmann::ordered_json work_json(const sim::draw_result& r) {
   j["pixels_blended"] = w.pixels_blended;
   // By the names of --no-skip, beside those that have counts of their own above; cull by --cull.
   j["skipped"] = {{"outside", {{"polygons", r.polygons_outside}, {"spans", k.spans_outside}}},
+                  {"occluded", {{"polygons", r.polygons_hidden}}},
                   {"cull", {{"polygons", r.polygons_culled}}},
                   {"floors", {{"spans", k.spans_below_floor}}},
                   {"other-half", {{"jobs", k.loads_in_other_half}}},

@@ -233,12 +233,13 @@ skip_choice parse_no_skip(const std::string& text) {
   skip_choice kept;
   if (text.empty()) return kept;
   for (const std::string& name : split(text, ',')) {
-    if (name == "all") kept = {0, false, false};
+    if (name == "all") kept = {0, false, false, false};
     else if (name == "levels") kept.levels = false;
     else if (name == "unchanged") kept.unchanged = false;
+    else if (name == "occluded") kept.occluded = false;
     else if (const auto* const found = std::find_if(sim::skip_names.begin(), sim::skip_names.end(), [&](const auto& n) { return n.name == name; }); found != sim::skip_names.end())
       kept.drawing &= ~only(found->value);
-    else throw input_error("--no-skip: unknown skip '" + name + "' (known: " + list_of(sim::skip_names) + ", levels, unchanged, all)");
+    else throw input_error("--no-skip: unknown skip '" + name + "' (known: " + list_of(sim::skip_names) + ", levels, unchanged, occluded, all)");
   }
   return kept;
 }
@@ -369,6 +370,7 @@ subject_options::loaded::loaded(const subject_options& o, const drawing_options&
   if (o.matrix.empty() && o.subject.empty()) throw input_error("nothing to draw: name a scene or model, or give --matrix");
   o.check_consistent();
   nearest_first_ = o.order.empty() ? sim::is_level(name_) : o.order != "file";
+  leaves_hidden_ = nearest_first_ && parse_no_skip(d.no_skip).occluded && d.alpha == "opaque" && d.filter != "contour" && d.culled == "none" && d.space == "screen";
   if (!o.matrix.empty()) matrix_ = parse_matrix(o.matrix, request_.size);
   if (!o.texture.empty()) {
     sim::map_list maps;
@@ -416,18 +418,18 @@ sim::camera_options subject_options::loaded::camera_from(const sim::viewpoint& v
   return c;
 }
 
-sim::scene subject_options::loaded::set_up(const sim::camera_options& camera, sim::thread_team* team) const {
-  return sim::look_at(*world_, camera, request_.size, {nearest_first_, team});
+sim::scene subject_options::loaded::set_up(const sim::camera_options& camera, sim::thread_team* team, faces which) const {
+  return sim::look_at(*world_, camera, request_.size, {nearest_first_, team, leaves_hidden_ && which == faces::that_may_show});
 }
 
-sim::scene subject_options::loaded::at(double turn_degrees, sim::thread_team* team) const {
+sim::scene subject_options::loaded::at(double turn_degrees, sim::thread_team* team, faces which) const {
   if (matrix_) {
     sim::scene s{"plane", request_.size, sim::plane_maps(request_), {}};
     sim::add_plane(s, *matrix_, 0);
     return s;
   }
-  if (walks_) return seen_from(walk(1).front(), team);
-  if (world_) return set_up(camera_at(turn_degrees), team);
+  if (walks_) return seen_from(walk(1).front(), team, which);
+  if (world_) return set_up(camera_at(turn_degrees), team, which);
   sim::scene_request turned = request_;
   turned.turn_degrees = turn_degrees;
   sim::scene s = sim::make_named_scene(name_, turned);

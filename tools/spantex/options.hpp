@@ -66,10 +66,10 @@ rgba8 parse_colour(const std::string& text, const char* option);
 int parse_parts(const std::string& text, const char* option, double low, double high, int parts);
 shading parse_alpha(const std::string& text);
 // What is left of all skips without those named, by commas; "all" names every one. Beside the draw layer's: levels of a map that the filter does not ask for
-// are not made, and spans that show what they showed in the frame before are not drawn.
+// are not made, spans that show what they showed in the frame before are not drawn, and faces that others hide are not set up.
 struct skip_choice {
   skip_set drawing = usual_skips;
-  bool levels = true, unchanged = true;
+  bool levels = true, unchanged = true, occluded = true;
 };
 skip_choice parse_no_skip(const std::string& text);
 skip_set parse_skip(const std::string& text);  // more than the usual ones: "" or "other-half"
@@ -142,7 +142,8 @@ struct subject_options {
   class loaded {
    public:
     loaded(const subject_options& o, const drawing_options& d);
-    sim::scene at(double turn_degrees, sim::thread_team* team = nullptr) const;
+    enum class faces : uint8_t { that_may_show, all };  // of a model or level that is drawn nearest first, opaque
+    sim::scene at(double turn_degrees, sim::thread_team* team = nullptr, faces which = faces::that_may_show) const;
     // False where the turn changes nothing: a plane from coefficients, or a camera fixed by --eye and --target.
     bool turns() const { return !matrix_ && !sim::named_plane(name_) && !camera_.eye; }
     // A level without a camera of its own: frames are a walk, not a turntable. Seen from its first place where one frame is asked for.
@@ -151,13 +152,14 @@ struct subject_options {
     // A level's textures that have no picture and are grey; null for what is no level.
     const std::vector<std::string>* textures_missing() const { return level_ ? &level_->missing : nullptr; }
     const std::vector<std::string>& files() const { return files_; }  // that it was read from
-    sim::scene seen_from(const sim::viewpoint& v, sim::thread_team* team = nullptr) const { return set_up(camera_from(v), team); }
+    sim::scene seen_from(const sim::viewpoint& v, sim::thread_team* team = nullptr, faces which = faces::that_may_show) const { return set_up(camera_from(v), team, which); }
+    bool leaves_hidden() const { return leaves_hidden_; }
     // Of a model or level: the camera of either, and what it sees.
     const sim::world& world() const { return *world_; }
     sim::screen_size size() const { return request_.size; }
     sim::camera_options camera_at(double turn_degrees) const;
     sim::camera_options camera_from(const sim::viewpoint& v) const;
-    sim::scene set_up(const sim::camera_options& camera, sim::thread_team* team = nullptr) const;
+    sim::scene set_up(const sim::camera_options& camera, sim::thread_team* team = nullptr, faces which = faces::that_may_show) const;
     std::vector<sim::viewpoint> walk(int frames) const { return sim::tour(*level_, frames); }
 
    private:
@@ -170,7 +172,7 @@ struct subject_options {
     std::shared_ptr<const sim::level> level_;
     std::shared_ptr<const sim::world> world_;  // a model's or the level's
     sim::camera_options camera_;
-    bool walks_ = false, nearest_first_ = false;
+    bool walks_ = false, nearest_first_ = false, leaves_hidden_ = false;
   };
 
  private:

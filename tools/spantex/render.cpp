@@ -59,13 +59,15 @@ std::vector<sim::viewpoint> read_path(const std::string& file) {
   return views;
 }
 
-nlohmann::ordered_json frame_json(const sim::scene& s, const sim::draw_result& r, double set_up_ns) {
+// all: the scene with what others hide.
+nlohmann::ordered_json frame_json(const sim::scene& s, const sim::scene& all, const sim::draw_result& r, double set_up_ns) {
   nlohmann::ordered_json j;
   j["draw_ns"] = r.ns_per_pixel * double(r.picture.pixels.size());
   j["set_up_ns"] = set_up_ns;
-  j["polygons"] = s.items.size();
-  if (s.uses_depth() || s.items.empty()) {
-    const sim::overdraw over = sim::overdraw_of(s);
+  j["polygons"] = all.items.size();
+  j["polygons_set_up"] = s.items.size();
+  if (all.uses_depth() || all.items.empty()) {
+    const sim::overdraw over = sim::overdraw_of(all);
     j["pixels_tested"] = over.pixels_tested;
     j["pixels_shown"] = over.pixels_shown;
   }
@@ -152,7 +154,10 @@ void run(const render_options& o) {
     throw sim::input_error("--frames: the view of '" + o.subject.subject + "' is fixed, every frame equal");
   const sim::output_file reference = wanted_output(o.reference);
   if (o.path.empty() && subject.walks()) views = subject.walk(int(files.size()));
-  const auto scene_of = [&](size_t k) { return views.empty() ? subject.at(360.0 * double(k) / double(files.size()), drawing.team) : subject.seen_from(views[k], drawing.team); };
+  using faces = subject_options::loaded::faces;
+  const auto scene_of = [&](size_t k, faces which = faces::that_may_show) {
+    return views.empty() ? subject.at(360.0 * double(k) / double(files.size()), drawing.team, which) : subject.seen_from(views[k], drawing.team, which);
+  };
   sim::thread_team team(drawing.threads);
   drawing.team = &team;
   nlohmann::ordered_json report, frames;
@@ -169,7 +174,7 @@ void run(const render_options& o) {
     std::optional<double> psnr_db;
     if (o.psnr) psnr_db = reference_psnr_db(s, r.picture, drawing.background);
     if (k == 0) report = nlohmann::ordered_json::parse(stats_json(r, drawing, psnr_db, subject.textures_missing()));
-    if (stats.wanted() && files.size() > 1) frames.push_back(frame_json(s, r, set_up_ns));
+    if (stats.wanted() && files.size() > 1) frames.push_back(subject.leaves_hidden() ? frame_json(s, scene_of(k, faces::all), r, set_up_ns) : frame_json(s, s, r, set_up_ns));
     if (files.size() > 1) {
       in_order.write(files[k], std::move(r.picture), psnr_db);
       continue;
