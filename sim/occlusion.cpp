@@ -17,8 +17,9 @@ bool occlusion::hides(const vertex* corners, int count, const lens& view) const 
   return count == 3 && is_hidden(corners, view.camera, view.clip, floors_.data(), size_.width_px);
 }
 
-void occlusion::add(const polygon& p) {
-  const rectangle area = intersection(p.box, {0, 0, size_.width_px, size_.height_px});
+void occlusion::add(const polygon& p, int band, int bands) {
+  const auto begin_of = [&](int k) { return std::min(spans_of(size_.height_px) * k / bands * span_side, size_.height_px); };
+  const rectangle area = intersection(p.box, {0, begin_of(band), size_.width_px, begin_of(band + 1)});
   if (area.empty()) return;
   const kernels::masked_polygon masked(p, area, {nullptr, floors_.data()}, size_.width_px, size_.height_px, false);
   for (int32_t sy = area.y0 / span_side; sy <= (area.y1 - 1) / span_side; ++sy) {

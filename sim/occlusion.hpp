@@ -17,8 +17,8 @@ class occlusion {
 
   // Whether nothing of a face is seen. False where this is not known: faces of more than three corners, and as is_hidden() has it.
   bool hides(const vertex* corners, int count, const lens& view) const;
-  // A polygon that is drawn before whatever is asked for from now on.
-  void add(const polygon& p);
+  // A polygon that is drawn before whatever is asked for from now on: what it covers of one of so many bands of the picture, which threads may add to at once.
+  void add(const polygon& p, int band, int bands);
 
  private:
   // Of polygons none of which covers the span alone.

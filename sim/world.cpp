@@ -7,7 +7,6 @@
 #include <cstddef>
 #include <iterator>
 #include <span>
-#include <utility>
 
 #include "occlusion.hpp"
 #include "parallel.hpp"
@@ -56,10 +55,15 @@ vertex to_vertex(const world_vertex& p, const frame& f, double scale) {
 double nearest_depth(const world& w, const frame& f, double least_wanted) {
   const double rounding = 1e-9 * w.radius;
   double least = INFINITY;
-  for (const world_face& face : w.faces) {
-    if (dot(face.bound.centre - f.eye, f.forward) - face.bound.radius > least + rounding) continue;
-    for (const world_vertex& p : face.corners) least = std::min(least, dot(p.position - f.eye, f.forward));
-    if (least < least_wanted) break;
+  const auto is_farther = [&](const ball& b) { return dot(b.centre - f.eye, f.forward) - b.radius > least + rounding; };
+  for (const face_group& group : w.groups) {
+    if (is_farther(group.bound)) continue;
+    for (size_t k = group.first; k < group.end; ++k) {
+      const world_face& face = w.faces[k];
+      if (is_farther(face.bound)) continue;
+      for (const world_vertex& p : face.corners) least = std::min(least, dot(p.position - f.eye, f.forward));
+      if (least < least_wanted) return least;
+    }
   }
   return least;
 }
@@ -69,6 +73,14 @@ ball bound_of(const std::vector<world_vertex>& corners) {
   for (size_t k = 1; k < corners.size(); ++k) b.centre = b.centre + (corners[k].position - b.centre) * (1.0 / double(k + 1));
   for (const world_vertex& c : corners) b.radius = std::max(b.radius, length(c.position - b.centre));
   return b;
+}
+
+// In one go: of neighbours, as files have them, whose balls lie close together.
+face_group group_of(const std::vector<world_face>& faces, size_t first, size_t end) {
+  face_group g{first, end, {{}, 0}};
+  for (size_t k = first; k < end; ++k) g.bound.centre = g.bound.centre + (faces[k].bound.centre - g.bound.centre) * (1.0 / double(k - first + 1));
+  for (size_t k = first; k < end; ++k) g.bound.radius = std::max(g.bound.radius, length(faces[k].bound.centre - g.bound.centre) + faces[k].bound.radius);
+  return g;
 }
 
 // Sides of the picture, and the near plane, from outside. What lies beyond one of them is_outside(), however its corners are rounded.
@@ -97,50 +109,74 @@ class picture_sides {
   std::vector<side> sides_;
 };
 
-// Those that set-up is to see, in the order in which they are drawn.
-std::vector<const world_face*> faces_in_view(const world& w, const lens& view, const frame& f, double scale, bool nearest_first) {
-  const picture_sides sides(view, f, scale);
-  std::vector<const world_face*> faces;
-  for (const world_face& face : w.faces)
-    if (!view.skips_outside || !sides.leave_out(face.bound)) faces.push_back(&face);
-  if (!nearest_first) return faces;
-  std::vector<std::pair<int32_t, const world_face*>> by_depth;
-  for (const world_face* face : faces) {
-    int32_t least = INT32_MAX;
-    for (const world_vertex& p : face->corners) least = std::min(least, along(f.forward, p, f, scale));
-    by_depth.emplace_back(std::max(least, view.camera.near_z), face);
-  }
-  std::sort(by_depth.begin(), by_depth.end());
-  std::transform(by_depth.begin(), by_depth.end(), faces.begin(), [](const auto& entry) { return entry.second; });
-  return faces;
-}
-
 // In the engine's lengths.
 double near_of(const world& w, const frame& f) {
   constexpr double part_of_nearest = 0.99;
   return std::max(part_of_nearest * nearest_depth(w, f, nearest_radii * w.radius) / w.radius, nearest_radii) * engine_radius;
 }
 
+// A camera, and who sets up what it sees.
+struct sight {
+  lens view;
+  frame f;
+  double scale;
+  thread_team* team;
+
+  size_t threads() const { return team == nullptr ? 1 : size_t(team->size()); }
+  template <class Work>
+  void run(size_t count, Work work) const {
+    if (team != nullptr) return team->run(int(count), [&](int k) { work(size_t(k)); });
+    for (size_t k = 0; k < count; ++k) work(k);
+  }
+};
+
+// Those that set-up is to see, in the order in which they are drawn. Each thread sorts those of a part of the world.
+std::vector<const world_face*> faces_in_view(const world& w, const sight& from, bool nearest_first) {
+  const picture_sides sides(from.view, from.f, from.scale);
+  const auto is_outside = [&](const ball& b) { return from.view.skips_outside && sides.leave_out(b); };
+  std::vector<std::vector<uint64_t>> found(from.threads());  // depth, and which face
+  from.run(found.size(), [&](size_t part) {
+    std::vector<uint64_t>& here = found[part];
+    for (size_t g = w.groups.size() * part / found.size(); g < w.groups.size() * (part + 1) / found.size(); ++g) {
+      const face_group& group = w.groups[g];
+      if (is_outside(group.bound)) continue;
+      for (size_t k = group.first; k < group.end; ++k) {
+        if (is_outside(w.faces[k].bound)) continue;
+        int32_t least = INT32_MAX;
+        for (const world_vertex& p : w.faces[k].corners) least = std::min(least, along(from.f.forward, p, from.f, from.scale));
+        here.push_back((nearest_first ? uint64_t(std::max(least, from.view.camera.near_z)) << 32 : 0) | k);
+      }
+    }
+    std::sort(here.begin(), here.end());
+  });
+  std::vector<uint64_t>& all = found[0];
+  for (size_t part = 1; part < found.size(); ++part) {
+    const auto end = all.insert(all.end(), found[part].begin(), found[part].end());
+    std::inplace_merge(all.begin(), end, all.end());
+  }
+  std::vector<const world_face*> faces(all.size());
+  std::transform(all.begin(), all.end(), faces.begin(), [&](uint64_t entry) { return &w.faces[uint32_t(entry)]; });
+  return faces;
+}
+
 // before: null, where hidden ones are set up too.
-void add_face(scene& s, const lens& view, const world_face& face, const frame& f, double scale, const occlusion* before) {
+void add_face(scene& s, const sight& from, const world_face& face, const occlusion* before) {
   vertex corners[max_polygon_vertices];
   int count = 0;
-  for (const world_vertex& c : face.corners) corners[count++] = to_vertex(c, f, scale);
-  if (before != nullptr && before->hides(corners, count, view)) ++s.polygons_hidden;
-  else add_polygon(s, view, corners, count, face.map_index);
+  for (const world_vertex& c : face.corners) corners[count++] = to_vertex(c, from.f, from.scale);
+  if (before != nullptr && before->hides(corners, count, from.view)) ++s.polygons_hidden;
+  else add_polygon(s, from.view, corners, count, face.map_index);
 }
 
 // Sets some faces up, a part of them a thread.
-void add_faces(scene& s, std::span<const world_face* const> faces, const lens& view, const frame& f, double scale, thread_team* team, const occlusion* before) {
-  const size_t count = team == nullptr || faces.empty() ? 1 : std::min(size_t(team->size()), faces.size());
+void add_faces(scene& s, std::span<const world_face* const> faces, const sight& from, const occlusion* before) {
+  const size_t count = from.threads();
   std::vector<scene> others(count - 1);  // the first part goes where it belongs
   for (scene& part : others) part.name = s.name;
-  const auto set_up = [&](int k) {
+  from.run(count, [&](size_t k) {
     const auto at = [&](size_t part) { return faces.size() * part / count; };
-    for (const world_face* face : faces.subspan(at(size_t(k)), at(size_t(k) + 1) - at(size_t(k)))) add_face(k == 0 ? s : others[size_t(k - 1)], view, *face, f, scale, before);
-  };
-  if (count == 1) set_up(0);
-  else team->run(int(count), set_up);
+    for (const world_face* face : faces.subspan(at(k), at(k + 1) - at(k))) add_face(k == 0 ? s : others[k - 1], from, *face, before);
+  });
   for (scene& part : others) {
     s.items.insert(s.items.end(), std::move_iterator(part.items.begin()), std::move_iterator(part.items.end()));
     s.polygons_outside += part.polygons_outside;
@@ -149,14 +185,16 @@ void add_faces(scene& s, std::span<const world_face* const> faces, const lens& v
 }
 
 // Nearest ones first and in parts that double, each without what those before it hide.
-void add_faces_that_show(scene& s, std::span<const world_face* const> faces, const lens& view, const frame& f, double scale, thread_team* team) {
+void add_faces_that_show(scene& s, std::span<const world_face* const> faces, const sight& from) {
   constexpr size_t first_part = 64;
   occlusion before(s.size);
   for (size_t begin = 0, end; begin < faces.size(); begin = end) {
     end = std::min(faces.size(), begin + std::max(begin, first_part));
-    const size_t known = s.items.size();
-    add_faces(s, faces.subspan(begin, end - begin), view, f, scale, team, &before);
-    for (size_t k = known; k < s.items.size(); ++k) before.add(s.items[k].shape);
+    const size_t known = s.items.size(), bands = from.threads();
+    add_faces(s, faces.subspan(begin, end - begin), from, &before);
+    from.run(bands, [&](size_t k) {
+      for (size_t n = known; n < s.items.size(); ++n) before.add(s.items[n].shape, int(k), int(bands));
+    });
   }
 }
 
@@ -193,6 +231,9 @@ void world::measure() {
     f.bound = bound_of(f.corners);
     for (const world_vertex& c : f.corners) radius = std::max(radius, length(c.position - centre));
   }
+  constexpr size_t of_a_group = 16;
+  groups.clear();
+  for (size_t first = 0; first < faces.size(); first += of_a_group) groups.push_back(group_of(faces, first, std::min(first + of_a_group, faces.size())));
 }
 
 bool world::has_area() const {
@@ -223,14 +264,14 @@ scene look_at(const world& w, const camera_options& camera, screen_size size, co
   const frame f = stand(w, camera, size);
   const double scale = engine_radius / w.radius, distance = length(w.centre - f.eye) / w.radius;
   if (distance > farthest_radii - 1) throw input_error(w.name + ": camera is more than 99 radii away from the model's centre");
-  lens view = make_lens(size, radians(camera.vertical_degrees), near_of(w, f));
-  view.skips_outside = camera.skips_outside;
-  const std::vector<const world_face*> faces = faces_in_view(w, view, f, scale, how.nearest_first);
+  sight from{make_lens(size, radians(camera.vertical_degrees), near_of(w, f)), f, scale, how.team};
+  from.view.skips_outside = camera.skips_outside;
+  const std::vector<const world_face*> faces = faces_in_view(w, from, how.nearest_first);
   if (how.leaves_hidden) {
-    add_faces_that_show(s, faces, view, f, scale, how.team);
+    add_faces_that_show(s, faces, from);
   } else {
     s.items.reserve(faces.size());
-    add_faces(s, faces, view, f, scale, how.team, nullptr);
+    add_faces(s, faces, from, nullptr);
   }
   s.polygons_outside += int(w.faces.size() - faces.size());
   return s;

@@ -25,6 +25,9 @@ struct world_face {
   ball bound{};                       // holds every corner
 };
 
+// Faces that follow each other, and their ball.
+struct face_group { size_t first, end; ball bound; };
+
 struct world {
   std::string name;
   std::shared_ptr<const map_list> maps;
@@ -32,8 +35,9 @@ struct world {
   vector3d centre{};
   double radius = 0;  // of the sphere about the centre that holds every corner
   std::vector<std::string> files{};  // that it was read from: its own, pictures beside it, archives
+  std::vector<face_group> groups{};  // of all faces, in their order
 
-  void measure();     // sets centre (of the bounding box) and radius, and the faces' bounds
+  void measure();     // sets centre (of the bounding box) and radius, the faces' bounds, and groups
   bool has_area() const;  // any face larger than the engine's smallest square; after measure()
 };
 

@@ -51,7 +51,7 @@ KERNEL_GATES = [
     ("polygons' masks: floors one too high", "hal/kernels/masks.cpp", ">> depth_guard_bits <= int64_t(floor)", ">> depth_guard_bits <= int64_t(floor) + 1", "masks", "they_hide*", KERNELS),
     ("AVX-512's masks: the second row of pixels taken for the first", "hal/kernels/masks_avx512.cpp", "_mm512_set1_epi32(p.edges[e].b), second_row", "_mm512_set1_epi32(p.edges[e].a), second_row", "masks", "they_cover*", KERNELS),
     ("AVX-512's masks: a floor of the nearest pixel", "hal/kernels/masks_avx512.cpp", "farthest = _mm256_min_epu32(farthest, now);", "farthest = now;", "masks", "they_hide*", KERNELS),
-    ("AVX-512's masks: no floor", "hal/kernels/masks_avx512.cpp", "if (p.stores) p.raise_floor", "if (false) p.raise_floor", "masks", "floors_rise*", KERNELS),
+    ("AVX-512's masks: no floor", "hal/kernels/masks_avx512.cpp", "p.raise_floor(", "if (false) p.raise_floor(", "masks", "floors_rise*", KERNELS),
     ("AVX2's masks: depths in another order than pixels", "hal/kernels/masks_avx2.cpp", "_mm256_setr_epi64x(pixel(0), pixel(1), pixel(4), pixel(5)), others = _mm256_setr_epi64x(pixel(2), pixel(3),", "_mm256_setr_epi64x(pixel(0), pixel(1), pixel(2), pixel(3)), others = _mm256_setr_epi64x(pixel(4), pixel(5),", "masks", "they_hide*", KERNELS),
     ("AVX2's masks: pixels that are not covered", "hal/kernels/masks_avx2.cpp", "_mm256_cmpeq_epi32(_mm256_min_epu32(z, stored), z), covered)", "_mm256_cmpeq_epi32(_mm256_min_epu32(z, stored), z), _mm256_set1_epi32(-1))", "masks", "they_hide*", KERNELS),
     ("AVX2's masks: floors below nothing", "hal/kernels/masks_avx2.cpp", "_mm256_cmpgt_epi64(above, nearest)", "_mm256_cmpgt_epi64(_mm256_add_epi64(above, above), nearest)", "masks", "they_hide*", KERNELS),

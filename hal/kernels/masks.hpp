@@ -56,12 +56,10 @@ class masked_polygon {
 
   // Null: there are none.
   uint32_t* floor_of(int32_t sx, int32_t sy) const { return depth.floors == nullptr ? nullptr : &depth.floors[sy * ((frame_width + span_side - 1) / span_side) + sx]; }
-  // Of a span within the frame some of whose pixels were stored; farthest(): the least depth in it.
-  template <class Farthest>
-  void raise_floor(int32_t sx, int32_t sy, span_mask stored, Farthest farthest) const {
-    uint32_t* const floor = stored != 0 ? floor_of(sx, sy) : nullptr;
-    if (floor == nullptr) return;
-    if (const uint32_t least = farthest(); least > *floor) *floor = least;
+  // To the least depth that is stored of a span within the frame.
+  void raise_floor(int32_t sx, int32_t sy, uint32_t least) const {
+    uint32_t* const floor = floor_of(sx, sy);
+    if (floor != nullptr && least > *floor) *floor = least;
   }
 };
 

@@ -79,6 +79,7 @@ SPANTEX_WRAPS span_mask nearer(const masked_polygon& p, int32_t sx, int32_t sy, 
   const __m256i down = _mm256_set1_epi64x(int64_t(2 * uint64_t(p.shape.depth.y))), pixels = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
   __m256i some = _mm256_setr_epi64x(pixel(0), pixel(1), pixel(4), pixel(5)), others = _mm256_setr_epi64x(pixel(2), pixel(3), pixel(6), pixel(7));  // as shuffles take them
   uint32_t* row = p.depth.values + int64_t(sy) * span_side * p.frame_width + sx * span_side;
+  const __m256i stores = _mm256_set1_epi32(p.stores ? -1 : 0);
   __m256i farthest = _mm256_set1_epi32(-1);
   span_mask visible = 0;
   for (int j = 0; j < span_side; ++j, row += p.frame_width, some = _mm256_add_epi64(some, down), others = _mm256_add_epi64(others, down)) {
@@ -86,18 +87,14 @@ SPANTEX_WRAPS span_mask nearer(const masked_polygon& p, int32_t sx, int32_t sy, 
     const __m256i stored = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(row));
     const __m256i covered = _mm256_cmpeq_epi32(_mm256_and_si256(_mm256_set1_epi32(int(mask >> (span_side * j) & 0xFF)), pixels), pixels);
     const __m256i seen = _mm256_andnot_si256(_mm256_cmpeq_epi32(_mm256_min_epu32(z, stored), z), covered);
-    if (p.stores) {
-      const __m256i now = _mm256_blendv_epi8(stored, z, seen);
-      _mm256_storeu_si256(reinterpret_cast<__m256i*>(row), now);
-      farthest = _mm256_min_epu32(farthest, now);
-    }
+    const __m256i now = _mm256_blendv_epi8(stored, z, _mm256_and_si256(seen, stores));
+    _mm256_storeu_si256(reinterpret_cast<__m256i*>(row), now);
+    farthest = _mm256_min_epu32(farthest, now);
     visible |= span_mask(uint32_t(_mm256_movemask_ps(_mm256_castsi256_ps(seen)))) << (span_side * j);
   }
-  if (p.stores) p.raise_floor(sx, sy, visible, [&] {
-      __m128i least = _mm_min_epu32(_mm256_castsi256_si128(farthest), _mm256_extracti128_si256(farthest, 1));
-      least = _mm_min_epu32(least, _mm_shuffle_epi32(least, 0x4E));
-      return uint32_t(_mm_cvtsi128_si32(_mm_min_epu32(least, _mm_shuffle_epi32(least, 0xB1))));
-    });
+  __m128i least = _mm_min_epu32(_mm256_castsi256_si128(farthest), _mm256_extracti128_si256(farthest, 1));
+  least = _mm_min_epu32(least, _mm_shuffle_epi32(least, 0x4E));
+  p.raise_floor(sx, sy, uint32_t(_mm_cvtsi128_si32(_mm_min_epu32(least, _mm_shuffle_epi32(least, 0xB1)))));
   return visible;
 }
 

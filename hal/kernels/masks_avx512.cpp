@@ -61,19 +61,18 @@ SPANTEX_WRAPS span_mask nearer(const masked_polygon& p, int32_t sx, int32_t sy, 
   const __m512i down = _mm512_set1_epi64(int64_t(2 * uint64_t(p.shape.depth.y)));
   __m512i across = _mm512_add_epi64(_mm512_set1_epi64(p.depth_at_first(sx, sy)), steps_of(2 * uint64_t(p.shape.depth.x)));
   uint32_t* row = p.depth.values + int64_t(sy) * span_side * p.frame_width + sx * span_side;
+  const __mmask8 stores = p.stores ? 0xFF : 0;
   __m256i farthest = _mm256_set1_epi32(-1);
   span_mask visible = 0;
   for (int j = 0; j < span_side; ++j, row += p.frame_width, across = _mm512_add_epi64(across, down)) {
     const __m256i z = _mm512_cvtepi64_epi32(_mm512_srli_epi64(across, depth_guard_bits)), stored = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(row));
     const __mmask8 seen = _mm256_mask_cmpgt_epu32_mask(uint8_t(mask >> (span_side * j)), z, stored);
-    if (p.stores) {
-      const __m256i now = _mm256_mask_mov_epi32(stored, seen, z);
-      _mm256_storeu_si256(reinterpret_cast<__m256i*>(row), now);
-      farthest = _mm256_min_epu32(farthest, now);
-    }
+    const __m256i now = _mm256_mask_mov_epi32(stored, seen & stores, z);
+    _mm256_storeu_si256(reinterpret_cast<__m256i*>(row), now);
+    farthest = _mm256_min_epu32(farthest, now);
     visible |= span_mask(seen) << (span_side * j);
   }
-  if (p.stores) p.raise_floor(sx, sy, visible, [&] { return _mm512_mask_reduce_min_epu32(0xFF, _mm512_castsi256_si512(farthest)); });
+  p.raise_floor(sx, sy, _mm512_mask_reduce_min_epu32(0xFF, _mm512_castsi256_si512(farthest)));
   return visible;
 }
 
