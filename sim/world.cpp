@@ -186,7 +186,7 @@ void add_faces(scene& s, std::span<const world_face* const> faces, const sight& 
 
 // Nearest ones first and in parts that double, each without what those before it hide.
 void add_faces_that_show(scene& s, std::span<const world_face* const> faces, const sight& from) {
-  constexpr size_t first_part = 64;
+  constexpr size_t first_part = 16;
   occlusion before(s.size);
   for (size_t begin = 0, end; begin < faces.size(); begin = end) {
     end = std::min(faces.size(), begin + std::max(begin, first_part));

@@ -95,7 +95,7 @@ SKIPS = ["outside", "empty", "hidden", "floors", "held", "second-level", "other-
 def test_skips(folder):
     """No skip changes the picture; without it its count is 0 and the work more."""
     text = done("render", "--help", cwd=folder)
-    assert all(name in text for name in SKIPS + ["--cull"])
+    assert all(name in text for name in SKIPS + ["--cull", "occluded"])
 
     def stats_of(*arguments):
         done(*arguments, "--engine", "sim", "--stats", "s.json", "--out", "o.png", cwd=folder)
@@ -307,6 +307,51 @@ def level_bytes(texture):
         table += struct.pack("<2i", 144 + len(body), len(lumps.get(k, b"")))
         body += lumps.get(k, b"")
     return b"IBSP" + struct.pack("<i", 46) + table + body
+
+
+def write_wall(folder):
+    """Two triangles before forty-nine."""
+    wall = "v -4 -4 0\nv 4 -4 0\nv 4 4 0\nv -4 4 0\n"
+    behind = "".join(f"v {x / 2} {y / 2} -2\nv {x / 2 + 0.4} {y / 2} -2\nv {x / 2} {y / 2 + 0.4} -2.2\n" for x in range(-3, 4) for y in range(-3, 4))
+    faces = "f 1/1 2/2 3/3\nf 1/1 3/3 4/4\n" + "".join(f"f {5 + 3 * k}/1 {6 + 3 * k}/2 {7 + 3 * k}/4\n" for k in range(49))
+    (folder / "wall.mtl").write_text("newmtl m\nmap_Kd wall.png\n")
+    (folder / "wall.obj").write_text("mtllib wall.mtl\n" + wall + behind + "vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nusemtl m\n" + faces)
+    (folder / "wall.png").write_bytes(png_bytes(16, 16, pixel=lambda x, y: (16 * x, 16 * y, 99, 200)))
+
+
+def test_hidden_faces(folder):
+    """Triangles behind a wall: not set up where they are drawn nearest first and opaque, counted, and the same picture; set up where something shows through."""
+    write_wall(folder)
+
+    def drawn(*more):
+        done("render", "wall.obj", "--size", "96x72", "--eye", "0,0,3", "--target", "0,0,0", "--fov", "60", "--stats", "s.json", "--out", "o.png", *more, cwd=folder)
+        stats = json.loads((folder / "s.json").read_text())
+        return stats["skipped"]["occluded"]["polygons"], (folder / "o.png").read_bytes(), stats
+
+    hidden, picture, stats = drawn("--order", "nearest")
+    assert 30 < hidden < 49 and stats["spans_skipped"]["hidden"] > 0, stats  # the nearest are set up together
+    for more in (["--no-skip", "occluded"], ["--no-skip", "all"], []):
+        count, same, _ = drawn(*more, "--order", "file" if not more else "nearest")
+        assert count == 0 and same == picture, more
+    for more in (["--order", "depths"], ["--threads", "3"], ["--kernel", "scalar"], ["--engine", "sim"], ["--profile", "seed", "--filter", "bilinear"]):
+        order = [] if "--order" in more else ["--order", "nearest"]
+        count, same, _ = drawn(*order, *more)
+        assert count == hidden and same == drawn(*order, "--no-skip", "occluded", *more)[1], more
+    for more in (["--alpha", "blended"], ["--cull", "clockwise"], ["--space", "object"]):
+        assert drawn("--order", "nearest", *more)[0] == 0, more
+    done("render", "wall.obj", "--size", "96x72", "--order", "nearest", "--frames", "3", "--out", "f%d.png", "--stats", "s.json", cwd=folder)
+    for frame in json.loads((folder / "s.json").read_text())["frames"]:
+        assert frame["polygons_set_up"] <= frame["polygons"] <= 51 and frame["skipped"]["occluded"]["polygons"] >= frame["polygons"] - frame["polygons_set_up"], frame
+
+
+def test_frames_against_peers(folder):
+    """bench --model: ours by each kernel, peers that draw triangles, JSON beside it."""
+    write_wall(folder)
+    done("bench", "--model", "wall.obj", "--size", "64x48", "--frames", "2", "--repeat", "1", "--filters", "trilinear", "--kernels", "scalar,words", "--peers", "none",
+         "--json", "b.json", cwd=folder)
+    report = json.loads((folder / "b.json").read_text())
+    assert [r["kernel"] for r in report["rows"]] == ["scalar", "words"] and report["frames"] == 2, report
+    assert all(0 < r["set_up_ms"]["median"] <= r["all_ms"]["median"] <= r["most_ms"] and r["psnr_db"] > 10 for r in report["rows"]), report
 
 
 def test_levels(folder):

@@ -127,6 +127,7 @@ std::vector<frames_row> measure_frames(const subject_options::loaded& subject, c
         all.push_back(std::make_unique<our_contestant>(subject, kind, kernel, frames_row{filter_name, "spantex", kernel_name, {}, {}}));
     }
     const size_t ours = all.size();
+    if (ours == 0) continue;  // none of the kernels has the filter
     for (const auto& p : peers)
       if (prepare_peer(*p, subject.world(), subject.size(), kind))
         all.push_back(std::make_unique<peer_contestant>(*p, subject.world(), subject.size(), frames_row{filter_name, p->name(), "", {}, {}}));

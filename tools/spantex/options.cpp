@@ -205,7 +205,7 @@ void drawing_options::add_to(CLI::App& app, bool with_engine) {
   app.add_option("--repeat", repeat, "draw so often, 1.." + std::to_string(most_repeats) + "; times are medians")->capture_default_str();
   app.add_option("--cull", culled, "polygons left out by how their corners run on the screen: " + list_of(sim::cull_names) + " (clockwise: the backs of closed models)")->capture_default_str();
   app.add_option("--skip", skip, "one that is off unless asked for: other-half (words of a section that the other half holds, for its time)");
-  app.add_option("--no-skip", no_skip, "the picture is the same: work that the engine skips and now does, NAME[,NAME...] of " + list_of(sim::skip_names) + ", levels, unchanged, all");
+  app.add_option("--no-skip", no_skip, "the picture is the same: work that the engine skips and now does, NAME[,NAME...] of " + list_of(sim::skip_names) + ", levels, unchanged, occluded, all");
 }
 
 void check_changes(const sim::profile_changes& c, filter kind) {
