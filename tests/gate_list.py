@@ -469,7 +469,7 @@ GATES = [
     ("hidden triangles: W of all its bits", F + "visibility.hpp", "uint64_t(box_px + 1) * ((most_texel >> 16) + 1)", "uint64_t(box_px + 1)", "visibility", "no_pixel_is_nearer*few_bits", []),
     ("hidden faces: what several polygons cover as near as the last of them", "sim/occlusion.cpp", "together.least = std::min(together.least, least);", "together.least = least;", "world", "what_others_hide*", WORLD),
     ("hidden faces: spans that are covered in part", "sim/occlusion.cpp", "if (together.covered != full_mask) continue;", "if (__builtin_popcountll(together.covered) < 48) continue;", "world", "what_others_hide*", WORLD),
-    ("hidden faces: polygons that come later", "sim/world.cpp", "before->hides(corners, count, view)", "before->hides(corners, count, view) == (s.items.size() % 8 != 7)", "world", "what_others_hide*", WORLD),
+    ("hidden faces: polygons that come later", "sim/world.cpp", "before->hides(corners, count, from.view)", "before->hides(corners, count, from.view) == (s.items.size() % 8 != 7)", "world", "what_others_hide*", WORLD),
     ("halves rounded towards zero", "sim/scene.hpp", "(rest >= 0.5) -", "(rest > 0.5) -", "world", "numbers*", WORLD),
     ("a level's vertices believed", "sim/level.cpp", "if (index >= count) throw damaged(k);", "if (index >= count) continue;", "quake_level", "damaged*", LEVELS),
     ("triangles of a level not counted", "sim/level.cpp", "if (triangles > most_triangles)", "if (triangles > most_triangles * 9)", "quake_level", "triangles_are*", LEVELS),

@@ -78,14 +78,20 @@ span_mask covered(const masked_polygon& p, const masked_row& row, const pixel_la
   return ~outside;
 }
 
-span_mask nearer(const masked_polygon& p, int32_t sx, int32_t sy, span_mask mask) { return depth_test(p.shape, sx, sy, mask, p.depth, p.frame_width, p.stores); }
+span_mask nearer(const masked_polygon& p, const pixel_lanes&, int64_t, int32_t sx, int32_t sy, span_mask mask) { return depth_test(p.shape, sx, sy, mask, p.depth, p.frame_width, p.stores); }
 
 #include "vectors/masks.hpp"
+
+uint64_t max_of_0(int64_t x) { return x > 0 ? uint64_t(x) : 0; }
+SPANTEX_WRAPS uint64_t sides_of(uint64_t x, uint64_t y) { return 2 * (span_side - 1) * (x + y); }
 
 }  // namespace
 
 masked_polygon::masked_polygon(const polygon& p, rectangle a, depth_buffer d, int32_t width, int32_t height, bool stored)
-    : shape(p), area(a), depth(d), frame_width(width), frame_height(height), stores(stored), in_front(!a.empty() && lies_in_front(p.map, a)), edge_count(p.edges.count) {
+    : shape(p), area(a), depth(d), frame_width(width), frame_height(height), stores(stored), in_front(lies_in_front(p.map, a)),
+      first_columns(rectangle_mask({a.x0, 0, first_span() * span_side + span_side, span_side}, first_span(), 0)),
+      last_columns(rectangle_mask({a.x1 - 1 - (a.x1 - 1) % span_side, 0, a.x1, span_side}, (a.x1 - 1) / span_side, 0)),
+      to_nearest(sides_of(max_of_0(p.depth.x), max_of_0(p.depth.y))), depth_extent(sides_of(magnitude(p.depth.x), magnitude(p.depth.y))), edge_count(p.edges.count) {
   constexpr int last = span_side - 1;
   for (int k = 0; k < edge_count; ++k) {
     const edge& e = p.edges.edges[k];

@@ -37,25 +37,18 @@ class masked_polygon {
   const int32_t frame_width, frame_height;
   const bool stores;
   const bool in_front;   // W > 0 all over the area's spans
+  const span_mask first_columns, last_columns;  // pixels of the first and last spans of its rows that lie between the area's sides
+  const uint64_t to_nearest, depth_extent;      // from a span's first pixel to the nearest, from its farthest to the nearest, before they are shifted
   int32_t edge_count;
   pixel_edge edges[max_edges];
   int32_t first_span() const { return area.x0 / span_side; }
   int32_t span_count() const { return (area.x1 - 1) / span_side - first_span() + 1; }
 
-  // Before it is shifted by depth_guard_bits: at the first pixel of a span; at its nearest pixel; from span to span.
-  SPANTEX_WRAPS int64_t depth_at_first(int32_t sx, int32_t sy) const {
-    const linear_form& f = shape.depth;
-    return int64_t(uint64_t(f.c) + uint64_t(f.x) * uint64_t(2 * span_side * sx + 1 - shape.map.origin_x) + uint64_t(f.y) * uint64_t(2 * span_side * sy + 1 - shape.map.origin_y));
-  }
-  SPANTEX_WRAPS int64_t nearest_in_span(int32_t sx, int32_t sy) const {
-    constexpr uint64_t side = 2 * (span_side - 1);
-    const linear_form& f = shape.depth;
-    return int64_t(uint64_t(depth_at_first(sx, sy)) + (f.x > 0 ? side * uint64_t(f.x) : 0) + (f.y > 0 ? side * uint64_t(f.y) : 0));
-  }
-  SPANTEX_WRAPS uint64_t depth_step() const { return 2 * span_side * uint64_t(shape.depth.x); }
+  uint64_t depth_step() const { return 2 * span_side * uint64_t(shape.depth.x); }  // from span to span
 
   // Null: there are none.
   uint32_t* floor_of(int32_t sx, int32_t sy) const { return depth.floors == nullptr ? nullptr : &depth.floors[sy * ((frame_width + span_side - 1) / span_side) + sx]; }
+  uint32_t* depths_of(int32_t sx, int32_t sy) const { return depth.values + int64_t(sy) * span_side * frame_width + sx * span_side; }
   // To the least depth that is stored of a span within the frame.
   void raise_floor(int32_t sx, int32_t sy, uint32_t least) const {
     uint32_t* const floor = floor_of(sx, sy);
@@ -66,13 +59,21 @@ class masked_polygon {
 // What a row of its spans begins with, of the first of them.
 struct masked_row {
   int64_t edges[max_edges];  // at its first pixel
-  int64_t nearest;           // nearest_in_span()
+  int64_t depth;             // there, before it is shifted by depth_guard_bits
   const uint32_t* floors;    // null: there are none
+  span_mask rows;            // of pixels within the area
 
-  masked_row(const masked_polygon& p, int32_t sy) : nearest(p.nearest_in_span(p.first_span(), sy)), floors(p.floor_of(p.first_span(), sy)) {
+  SPANTEX_WRAPS masked_row(const masked_polygon& p, int32_t sy) : floors(p.floor_of(p.first_span(), sy)), rows(rectangle_mask({0, p.area.y0, span_side, p.area.y1}, 0, sy)) {
     for (int e = 0; e < p.edge_count; ++e) edges[e] = p.edges[e].first + int64_t(p.edges[e].b) * (sy * span_side) + int64_t(p.edges[e].a) * (p.first_span() * span_side);
+    const linear_form& f = p.shape.depth;
+    depth = int64_t(uint64_t(f.c) + uint64_t(f.x) * uint64_t(2 * span_side * p.first_span() + 1 - p.shape.map.origin_x) + uint64_t(f.y) * uint64_t(2 * span_side * sy + 1 - p.shape.map.origin_y));
   }
-  SPANTEX_WRAPS int64_t nearest_of(const masked_polygon& p, int k) const { return int64_t(uint64_t(nearest) + p.depth_step() * uint64_t(k)); }
+  SPANTEX_WRAPS int64_t depth_of(const masked_polygon& p, int k) const { return int64_t(uint64_t(depth) + p.depth_step() * uint64_t(k)); }
+  SPANTEX_WRAPS int64_t nearest_of(const masked_polygon& p, int k) const { return int64_t(uint64_t(depth_of(p, k)) + p.to_nearest); }
+  SPANTEX_WRAPS bool saturates(const masked_polygon& p, int k) const {
+    const int64_t nearest = nearest_of(p, k), farthest = int64_t(uint64_t(nearest) - p.depth_extent);
+    return farthest >> depth_guard_bits <= 1 || nearest >> depth_guard_bits >= int64_t(1) << 31;
+  }
   int64_t edge_at(const masked_polygon& p, int e, int k) const { return edges[e] + int64_t(p.edges[e].a) * (span_side * k); }  // of span k
   // The same in 32 bits of a span that no edge leaves out: less where it is so far inside that no pixel of it is outside.
   int32_t near_edge(const masked_polygon& p, int e, int k) const {

@@ -46,19 +46,25 @@ SPANTEX_WRAPS uint32_t hidden(const masked_polygon& p, const masked_row& row, in
   return bits;
 }
 
-// Edges' values in a row of pixels, less those of the first one.
+// Edges' values and depths in a row of pixels, less those of the first one.
 class pixel_lanes {
  public:
-  void prepare(const masked_polygon& p) {
+  SPANTEX_WRAPS void prepare(const masked_polygon& p) {
     if (prepared_) return;
     prepared_ = true;
+    const uint64_t right = 2 * uint64_t(p.shape.depth.x);
+    const auto pixel = [&](uint64_t k) SPANTEX_WRAPS { return int64_t(right * k); };
+    some_depths_ = _mm256_setr_epi64x(pixel(0), pixel(1), pixel(4), pixel(5));  // as shuffles take them
+    other_depths_ = _mm256_setr_epi64x(pixel(2), pixel(3), pixel(6), pixel(7));
     for (int e = 0; e < p.edge_count; ++e) of_[e] = _mm256_mullo_epi32(_mm256_set1_epi32(p.edges[e].a), _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7));
   }
   __m256i of(int e) const { return of_[e]; }
+  __m256i some_depths() const { return some_depths_; }
+  __m256i other_depths() const { return other_depths_; }
 
  private:
   bool prepared_ = false;
-  __m256i of_[max_edges];
+  __m256i of_[max_edges], some_depths_, other_depths_;
 };
 
 span_mask covered(const masked_polygon& p, const masked_row& row, const pixel_lanes& lanes, int k) {
@@ -73,12 +79,10 @@ span_mask covered(const masked_polygon& p, const masked_row& row, const pixel_la
   return ~bits;
 }
 
-SPANTEX_WRAPS span_mask nearer(const masked_polygon& p, int32_t sx, int32_t sy, span_mask mask) {
-  const uint64_t right = 2 * uint64_t(p.shape.depth.x), first = uint64_t(p.depth_at_first(sx, sy));
-  const auto pixel = [&](uint64_t k) SPANTEX_WRAPS { return int64_t(first + right * k); };
+span_mask nearer(const masked_polygon& p, const pixel_lanes& lanes, int64_t depth, int32_t sx, int32_t sy, span_mask mask) {
   const __m256i down = _mm256_set1_epi64x(int64_t(2 * uint64_t(p.shape.depth.y))), pixels = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
-  __m256i some = _mm256_setr_epi64x(pixel(0), pixel(1), pixel(4), pixel(5)), others = _mm256_setr_epi64x(pixel(2), pixel(3), pixel(6), pixel(7));  // as shuffles take them
-  uint32_t* row = p.depth.values + int64_t(sy) * span_side * p.frame_width + sx * span_side;
+  __m256i some = _mm256_add_epi64(_mm256_set1_epi64x(depth), lanes.some_depths()), others = _mm256_add_epi64(_mm256_set1_epi64x(depth), lanes.other_depths());
+  uint32_t* row = p.depths_of(sx, sy);
   const __m256i stores = _mm256_set1_epi32(p.stores ? -1 : 0);
   __m256i farthest = _mm256_set1_epi32(-1);
   span_mask visible = 0;

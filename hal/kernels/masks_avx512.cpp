@@ -29,21 +29,23 @@ uint32_t hidden(const masked_polygon& p, const masked_row& row, int k, int count
   return _mm512_mask_cmpge_epi64_mask(_mm512_test_epi64_mask(floors, floors), floors, _mm512_srai_epi64(nearest, depth_guard_bits));
 }
 
-// Edges' values in two rows of pixels, less those of the first one.
+// Edges' values in two rows of pixels, and depths in one, less those of the first pixel.
 class pixel_lanes {
  public:
   void prepare(const masked_polygon& p) {
     if (prepared_) return;
     prepared_ = true;
+    depths_ = steps_of(2 * uint64_t(p.shape.depth.x));
     const __m512i columns = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7), second_row = _mm512_setr_epi32(0, 0, 0, 0, 0, 0, 0, 0, -1, -1, -1, -1, -1, -1, -1, -1);
     for (int e = 0; e < p.edge_count; ++e)
       of_[e] = _mm512_add_epi32(_mm512_mullo_epi32(_mm512_set1_epi32(p.edges[e].a), columns), _mm512_and_si512(_mm512_set1_epi32(p.edges[e].b), second_row));
   }
   __m512i of(int e) const { return of_[e]; }
+  __m512i depths() const { return depths_; }
 
  private:
   bool prepared_ = false;
-  __m512i of_[max_edges];
+  __m512i of_[max_edges], depths_;
 };
 
 span_mask covered(const masked_polygon& p, const masked_row& row, const pixel_lanes& lanes, int k) {
@@ -57,10 +59,10 @@ span_mask covered(const masked_polygon& p, const masked_row& row, const pixel_la
   return ~bits;
 }
 
-SPANTEX_WRAPS span_mask nearer(const masked_polygon& p, int32_t sx, int32_t sy, span_mask mask) {
+SPANTEX_WRAPS span_mask nearer(const masked_polygon& p, const pixel_lanes& lanes, int64_t depth, int32_t sx, int32_t sy, span_mask mask) {
   const __m512i down = _mm512_set1_epi64(int64_t(2 * uint64_t(p.shape.depth.y)));
-  __m512i across = _mm512_add_epi64(_mm512_set1_epi64(p.depth_at_first(sx, sy)), steps_of(2 * uint64_t(p.shape.depth.x)));
-  uint32_t* row = p.depth.values + int64_t(sy) * span_side * p.frame_width + sx * span_side;
+  __m512i across = _mm512_add_epi64(_mm512_set1_epi64(depth), lanes.depths());
+  uint32_t* row = p.depths_of(sx, sy);
   const __mmask8 stores = p.stores ? 0xFF : 0;
   __m256i farthest = _mm256_set1_epi32(-1);
   span_mask visible = 0;

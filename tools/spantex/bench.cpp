@@ -236,7 +236,7 @@ void measure_frames_of_model(const bench_options& o) {
     rows = measure_frames(subject, {choice.filters, choice.kernels, choice.rounds, o.frames}, peers, [&] { bar.advance(1); });
   }
   print_heading(machine, o, peers);
-  printf("%s: %d frames, medians, quartiles and most of ms a frame, of %d turns each; from faces in the world to pixels in memory\n", subject.world().name.c_str(), o.frames, o.rounds);
+  printf("%s: %d frames, medians, quartiles and most of ms a frame, of %d turns each, a turn the middle one of three; from faces in the world to pixels in memory\n", subject.world().name.c_str(), o.frames, o.rounds);
   print_frames(rows);
   if (!out.wanted()) return;
   json all{{"machine", to_json(machine)}, {"size", o.size}, {"model", o.model}, {"map", o.map}, {"frames", o.frames}, {"peers", to_json(peers)}, {"rows", json::array()}};

@@ -16,6 +16,7 @@ namespace spantex::tool {
 namespace {
 
 constexpr rgba8 background{0, 0, 0, 255};
+constexpr int draws_of_a_turn = 3;  // the middle one counts: the first finds the caches as the others left them
 
 double ms_since(std::chrono::steady_clock::time_point begun) { return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begun).count(); }
 
@@ -26,15 +27,11 @@ class contestant {
   virtual void begin_frame(const sim::camera_options& camera) = 0;
   virtual const sim::image& draw(double& set_up_ms, double& all_ms) = 0;
 
-  void warm_up() {
-    double ignored = 0;
-    picture_ = &draw(ignored, ignored);
-  }
   void take_turn() {
-    double set_up = 0, all = 0;
-    picture_ = &draw(set_up, all);
-    set_up_.push_back(set_up);
-    all_.push_back(all);
+    std::vector<double> set_up(draws_of_a_turn), all(draws_of_a_turn);
+    for (size_t k = 0; k < draws_of_a_turn; ++k) picture_ = &draw(set_up[k], all[k]);
+    set_up_.push_back(spread_of(set_up).median);
+    all_.push_back(spread_of(all).median);
   }
   // What the turns of a frame came to.
   void end_frame(const sim::ideal_image& reference, const sim::image& ours) {
@@ -132,10 +129,7 @@ std::vector<frames_row> measure_frames(const subject_options::loaded& subject, c
       if (prepare_peer(*p, subject.world(), subject.size(), kind))
         all.push_back(std::make_unique<peer_contestant>(*p, subject.world(), subject.size(), frames_row{filter_name, p->name(), "", {}, {}}));
     for (const sim::camera_options& camera : cameras) {
-      for (const auto& c : all) {
-        c->begin_frame(camera);
-        c->warm_up();
-      }
+      for (const auto& c : all) c->begin_frame(camera);
       for (int round = 0; round < choice.rounds; ++round)
         for (const auto& c : all) c->take_turn();
       const sim::ideal_image reference = sim::render_reference(subject.set_up(camera), background, sim::hardware_threads());
