@@ -91,7 +91,7 @@ GATES = [
     ("what is clipped written over what is not", F + "polygon.hpp", "const int start = max_edges - 1 - o.count;", "const int start = min_of(2, max_edges - 1 - o.count);", "polygon", "outlines*", []),
     ("carries of products lost", F + "wide.hpp", "+ high + (sum.low < low ? 1u : 0u));", "+ high);", "wide", "products_of*", []),
     ("products of a negative factor", F + "wide.hpp", "- (a < 0 ? uint64_t(b) : 0) - (b < 0 ? uint64_t(a) : 0));", "- (a < 0 ? uint64_t(b) : 0));", "wide", "products_of*", []),
-    ("halves cut at set-up", F + "wide.hpp", "if (half && ++a.low == 0) ++a.high;", "", "wide", "shifts*", []),
+    ("halves cut at set-up", F + "wide.hpp", "add_words(a, half, 0);", "", "wide", "shifts*", []),
     ("quads of any shape", F + "pictures.hpp", "return turns == 4 || turns == -4;", "return turns <= 4;", "rows_pictures", "quads_that*", []),
     ("sprites turned the other way", F + "pictures.hpp", "form(out.exact_v, s.scale_x, -turn.sine,", "form(out.exact_v, s.scale_x, turn.sine,", "rows_pictures", "sprites_lie*", []),
     ("tenths of a degree cut", F + "pictures.hpp", "* 1250999896492u + (1u << 19)) >> 20", "* 1250999896492u) >> 20", "rows_pictures", "sprites_lie*", []),

@@ -110,7 +110,7 @@ SPANTEX_FRAME_APART constexpr status hold_plane_through(corner_weights& w, const
     wide& weight = w.of[k];
     round_off(weight, t.down);
     if (weight.zero()) weight.low = 1;
-    if (t.area < 0) negate(weight);
+    negate_if(weight, sign_of(t.area));
     const edge& map = corners.edges[w.corner(k) + map_slot];
     for (int n = 0; n < 3; ++n) {
       constexpr int64_t one = 1 << 16;

@@ -119,17 +119,16 @@ constexpr scaled_gradients scaled_gradients_at(const plane& p, int32_t hx, int32
     const linear_form& f = k < 2 ? p.u : p.v;
     wide exact;
     detail::set_difference(exact, (k & 1) != 0 ? f.y : f.x, w, p.value(f, hx, hy), (k & 1) != 0 ? p.w.y : p.w.x);
-    const bool negative = exact.negative();
-    if (negative) negate(exact);
+    const uint64_t sign = sign_of(exact.high);
+    negate_if(exact, sign);
     const int bits = max_of(kept, bit_length(exact));
-    cut[k] = int32_t(low_after(exact, bits - kept));
-    if (negative) cut[k] = -cut[k];
+    cut[k] = (int32_t(low_after(exact, bits - kept)) ^ int32_t(sign)) - int32_t(sign);
     dropped[k] = int8_t(bits - kept);
     drop = max_of(drop, int(dropped[k]));
   }
   const auto alike = [&](int k) {
-    const int more = min_of(drop - dropped[k], kept);
-    return cut[k] < 0 ? -(-cut[k] >> more) : cut[k] >> more;
+    const int more = min_of(drop - dropped[k], kept), sign = cut[k] >> 31;
+    return (((cut[k] ^ sign) - sign) >> more ^ sign) - sign;
   };
   return {alike(0), alike(1), alike(2), alike(3), drop};
 }
@@ -168,7 +167,7 @@ SPANTEX_FRAME_APART constexpr int set_determinant(const plane& p, wide& det) {
     round_off(minors[k], bits - 79);
     add_product(det, minors[k], k == 0 ? p.w.x : k == 1 ? p.w.y : p.w.c);
   }
-  if (det.negative()) negate(det);
+  negate_if(det, sign_of(det.high));
   return bits - 79;
 }
 
@@ -341,11 +340,11 @@ constexpr status seen_plane(seen_from from, const view& s, plane& out) {
   for (int k = 0; k < 3; ++k) {
     wide_form& row = exact_form(out, k);
     put_on_screen(row, s);
-    if (from.d <= 0) continue;
     // A ray meets the plane in front of the viewer where -d/W > 0: with d > 0 every sign turns.
-    negate(row.x);
-    negate(row.y);
-    negate(row.c);
+    const uint64_t turned = from.d > 0 ? ~uint64_t(0) : 0;
+    negate_if(row.x, turned);
+    negate_if(row.y, turned);
+    negate_if(row.c, turned);
   }
   int drop = 0;
   SPANTEX_TRY(normalise({0, 0, s.width_px, s.height_px}, out, drop));

@@ -100,7 +100,7 @@ static_assert(max_clipped < max_edges - 1);
 SPANTEX_FRAME_APART constexpr void clip_to_view(int64_t near_z, const view_sides& sides, edge_set& o) {
   for (int side = 0; side < view_side_count && o.count != 0; ++side) {
     bool inside = true;
-    for (int k = 0; k < o.count; ++k) inside = inside && distance_from(side, near_z, sides, o.edges[k]) >= 0;
+    for (int k = 0; k < o.count; ++k) inside &= distance_from(side, near_z, sides, o.edges[k]) >= 0;
     if (inside) continue;
     const int start = max_edges - 1 - o.count;
     o.edges[max_edges - 1] = o.edges[0];
@@ -255,8 +255,9 @@ SPANTEX_FRAME_APART constexpr void make_forms(const three_texels& map, int secon
     interpolate(row, map.at[0].v, map.at[1].v, map.at[2].v, coefficient(p.exact_v, axis));
     interpolate(row, one, one, one, coefficient(p.exact_w, axis));
   }
-  for (int k = 0; k < 3 && determinant.negative(); ++k)
-    for (int axis = 0; axis < 3; ++axis) negate(coefficient(exact_form(p, k), axis));
+  const uint64_t sign = sign_of(determinant.high);
+  for (int k = 0; k < 3; ++k)
+    for (int axis = 0; axis < 3; ++axis) negate_if(coefficient(exact_form(p, k), axis), sign);
 }
 
 // The rest of set-up but depth, from held corners and forms. Errors: degenerate.

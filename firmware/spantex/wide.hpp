@@ -30,17 +30,17 @@ SPANTEX_WRAPS constexpr wide operator-(const wide& a) {
   return {int64_t(~uint64_t(a.high) + (a.low == 0 ? 1u : 0u)), 0 - a.low};
 }
 
-SPANTEX_FRAME_APART SPANTEX_WRAPS constexpr void negate(wide& a) {
-  a.low = 0 - a.low;
-  a.high = int64_t(~uint64_t(a.high) + (a.low == 0 ? 1u : 0u));
-}
-
 constexpr wide operator-(const wide& a, const wide& b) { return a + -b; }
 
+// Without branches, which would be taken as often as not. sign: all ones, or 0.
+constexpr uint64_t sign_of(int64_t x) { return uint64_t(x >> 63); }
+SPANTEX_FRAME_APART SPANTEX_WRAPS constexpr void negate_if(wide& a, uint64_t sign) {
+  a.low = (a.low ^ sign) - sign;
+  a.high = int64_t((uint64_t(a.high) ^ sign) - (a.low == 0 ? sign : 0));
+}
 SPANTEX_WRAPS constexpr wide magnitude(const wide& a) {
-  const uint64_t sign = a.negative() ? ~uint64_t(0) : 0;
-  const uint64_t low = (a.low ^ sign) - sign, carry = low == 0 ? sign : 0;
-  return {int64_t((uint64_t(a.high) ^ sign) - carry), low};
+  const uint64_t sign = sign_of(a.high), low = (a.low ^ sign) - sign;
+  return {int64_t((uint64_t(a.high) ^ sign) - (low == 0 ? sign : 0)), low};
 }
 
 SPANTEX_WRAPS constexpr void add_words(wide& sum, uint64_t low, uint64_t high) {
@@ -72,7 +72,7 @@ constexpr void accumulate(wide& sum, uint64_t a, uint64_t b) {
 
 // sum += a b: exact, as the product. In two's complement: a negative factor is 2^64 too large as an unsigned one.
 SPANTEX_FRAME_APART SPANTEX_WRAPS constexpr void add_product(wide& sum, int64_t a, int64_t b) {
-  sum.high = int64_t(uint64_t(sum.high) - (a < 0 ? uint64_t(b) : 0) - (b < 0 ? uint64_t(a) : 0));
+  sum.high = int64_t(uint64_t(sum.high) - (sign_of(a) & uint64_t(b)) - (sign_of(b) & uint64_t(a)));
   accumulate(sum, uint64_t(a), uint64_t(b));
 }
 
@@ -80,7 +80,7 @@ SPANTEX_FRAME_APART SPANTEX_WRAPS constexpr void add_product(wide& sum, int64_t 
 SPANTEX_FRAME_APART SPANTEX_WRAPS constexpr void add_product(wide& sum, const wide& a, int64_t b) {
   const bool small = products_are_calls && (a.high == 0 || a.high == -1);
   const uint64_t top = small ? uint64_t(a.high) & (0 - uint64_t(b)) : uint64_t(a.high) * uint64_t(b);
-  sum.high = int64_t(uint64_t(sum.high) + top - (b < 0 ? a.low : 0));
+  sum.high = int64_t(uint64_t(sum.high) + top - (sign_of(b) & a.low));
   accumulate(sum, a.low, uint64_t(b));
 }
 
@@ -98,13 +98,9 @@ constexpr wide multiply(const wide& a, int64_t b) {
   return p;
 }
 
-SPANTEX_WRAPS constexpr int bit_length(const wide& a) {
-  uint64_t high = uint64_t(a.high), low = a.low;
-  if (a.negative()) {
-    low = 0 - low;
-    high = ~high + (low == 0 ? 1u : 0u);
-  }
-  return high != 0 ? 64 + bit_length(high) : bit_length(low);
+constexpr int bit_length(const wide& a) {
+  const wide m = magnitude(a);
+  return m.high != 0 ? 64 + bit_length(uint64_t(m.high)) : bit_length(m.low);
 }
 
 constexpr wide shift_left(const wide& a, int n) {
@@ -125,12 +121,12 @@ constexpr uint64_t low_after(const wide& a, int n) { return n >= 64 ? uint64_t(a
 // a / 2^n to nearest, halves away from zero; in place.
 SPANTEX_FRAME_APART SPANTEX_WRAPS constexpr void round_off(wide& a, int n) {
   if (n == 0) return;
-  const bool negative = a.negative();
-  if (negative) negate(a);
-  const bool half = ((n > 64 ? uint64_t(a.high) >> (n - 65) : a.low >> (n - 1)) & 1) != 0;
+  const uint64_t sign = sign_of(a.high);
+  negate_if(a, sign);
+  const uint64_t half = (n > 64 ? uint64_t(a.high) >> (n - 65) : a.low >> (n - 1)) & 1;
   a = shift_right_floor(a, n);
-  if (half && ++a.low == 0) ++a.high;
-  if (negative) negate(a);
+  add_words(a, half, 0);
+  negate_if(a, sign);
 }
 constexpr wide shift_right_nearest(const wide& a, int n) {
   wide out = a;
