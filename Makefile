@@ -70,7 +70,7 @@ bench-levels: setup-build setup-bench setup-levels all peers ## walks through Op
 	@for l in $(LEVELS); do $(B)/spantex render $(LEVEL_MAPS) --map $$l $(LEVEL_VIEW) --frames $(LEVEL_FRAMES) --out $(B)/levels/$$l/%04d.png --stats $(B)/levels/stats/$$l.json || exit 1; done
 	@tools/plot_levels $(B)/levels/stats/*.json --out $(B)/levels > $(B)/levels/table.txt
 	@mkdir -p $(B)/levels/peers
-	@for l in $(LEVELS); do $(B)/spantex bench --model $(LEVEL_MAPS) --map $$l $(LEVEL_VIEW) --filters nearest,bilinear,trilinear,aniso --json $(B)/levels/peers/$$l.json || exit 1; done >> $(B)/levels/table.txt
+	@for l in $(LEVELS); do $(B)/spantex bench --model $(LEVEL_MAPS) --map $$l $(LEVEL_VIEW) --filters nearest,bilinear,trilinear,aniso --kernels avx512,avx2,sse41,neon,words --json $(B)/levels/peers/$$l.json || exit 1; done >> $(B)/levels/table.txt
 	@cat $(B)/levels/table.txt
 
 sweep: setup-build all ## the standard study of precision against quality (tools/sweeps/standard.json), minutes; an ended one goes on: build/sweeps/standard.csv

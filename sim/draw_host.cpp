@@ -249,8 +249,13 @@ void lay_depths_of(const scene& s, band b, const target& out, draw_counters& cou
   const auto leaves = [&](int32_t sx, int32_t sy) { return !out.kept.empty() && out.kept[size_t(sy * columns + sx)] != 0; };
   for (size_t k = 0; k < s.items.size(); ++k) {
     if (!out.may_cover(k, b)) continue;
+    const rectangle rows{0, b.y0, width, b.y1};
+    if (out.ready.visible != nullptr) {
+      counts.spans_total += kernels::lay_depths(out.ready.visible, s.items[k].shape, rows, out.depths(), width, s.size.height_px, leaves);
+      continue;
+    }
     polygon part = s.items[k].shape;
-    part.box = intersection(part.box, {0, b.y0, width, b.y1});
+    part.box = intersection(part.box, rows);
     counts.spans_total += lay_depths(part, out.depths(), width, s.size.height_px, leaves);
   }
   for (int32_t sy = b.y0 / span_side; sy * span_side < b.y1; ++sy)

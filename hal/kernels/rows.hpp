@@ -122,6 +122,22 @@ status draw_plane(row_kernel kernel, const planar_map& texels, Renderer& scalar,
   return scalar.flush();
 }
 
+// lay_depths() (visibility.hpp) of the part of a polygon inside `area`, by vectors.
+template <class Leaves>
+uint64_t lay_depths(row_cover visible, const polygon& p, rectangle area, depth_buffer depth, int32_t frame_width, int32_t frame_height, Leaves leaves) {
+  area = intersection(intersection(p.box, area), {0, 0, frame_width, frame_height});
+  if (area.empty()) return 0;
+  const masked_polygon masked(p, area, depth, frame_width, frame_height, true);
+  draw_counters counts;
+  row_masks row;
+  bool left[max_row_spans];
+  for (int32_t sy = area.y0 / span_side; sy <= (area.y1 - 1) / span_side; ++sy) {
+    for (int k = 0; k < masked.span_count(); ++k) left[k] = leaves(masked.first_span() + k, sy);
+    visible(masked, sy, left, row, counts);
+  }
+  return counts.spans_total;
+}
+
 // Draws the part of a polygon inside `area`, hidden parts left out. `visible` makes the masks. The same otherwise.
 template <class Renderer>
 status draw_polygon(row_kernel kernel, row_cover visible, const planar_map& texels, Renderer& scalar, const polygon& p, const texture_view& t, filter kind, rectangle area,

@@ -149,7 +149,7 @@ def test_unchanged_spans(folder):
         stats = json.loads((folder / "s.json").read_text())["frames"]
         return [f["skipped"]["unchanged"]["spans"] for f in stats], stats, [(folder / f"f{k}.png").read_bytes() for k in range(count)]
 
-    for more in ([], ["--engine", "sim"], ["--kernel", "scalar", "--threads", "3"], ["--alpha", "blended"]):
+    for more in ([], ["--engine", "sim"], ["--kernel", "scalar", "--threads", "3"], ["--alpha", "blended"], ["--order", "depths"]):
         kept, stats, pictures = frames_of(["turning", "--frames", "4"], *more)
         none, alone, same = frames_of(["turning", "--frames", "4"], "--no-skip", "unchanged", *more)
         assert pictures == same and len(set(pictures)) == 4, more
