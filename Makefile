@@ -65,7 +65,7 @@ LEVEL_FRAMES ?= 120
 LEVEL_VIEW   ?= --size 640x480 --fov 60 --repeat 5
 LEVEL_MAPS   ?= /usr/share/games/openarena/baseoa/pak1-maps.pk3
 bench-levels: setup-build setup-bench setup-levels all peers ## walks through OpenArena's levels: time a frame against pixels, overdraw, polygons, and installed peers: build/levels/{table.txt,levels.json,levels.png,peers}, a folder of pictures a level
-	@rm -rf $(B)/levels/stats
+	@rm -rf $(B)/levels/stats $(B)/levels/peers
 	@mkdir -p $(B)/levels/stats $(LEVELS:%=$(B)/levels/%)
 	@for l in $(LEVELS); do $(B)/spantex render $(LEVEL_MAPS) --map $$l $(LEVEL_VIEW) --frames $(LEVEL_FRAMES) --out $(B)/levels/$$l/%04d.png --stats $(B)/levels/stats/$$l.json || exit 1; done
 	@tools/plot_levels $(B)/levels/stats/*.json --out $(B)/levels > $(B)/levels/table.txt

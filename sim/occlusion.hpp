@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What lies behind polygons that were set up before, and so need not be set up: of an opaque picture no pixel changes (spantex/visibility.hpp, is_hidden). Span by span, a floor: the least depth of a polygon
+// What lies behind polygons that were set up before, and so need not be set up: of an opaque picture no pixel changes (spantex/visibility.hpp, is_hidden), but what shows between pixels' centres, which a reference samples too. Span by span, a floor: the least depth of a polygon
 // that covers it, or of several that cover it together.
 #pragma once
 #include <stdint.h>
@@ -29,7 +29,7 @@ class occlusion {
 
   screen_size size_;
   kernels::row_cover cover_ = kernels::cover_of(kernels::choice::fastest);
-  std::vector<uint32_t> floors_;
+  mutable std::vector<uint32_t> floors_;  // hides() reads them as a depth_buffer, which could be written
   std::vector<part> parts_;
 };
 

@@ -7,6 +7,8 @@
 #include <cstddef>
 #include <iterator>
 #include <span>
+#include <stdexcept>
+#include <utility>
 
 #include "occlusion.hpp"
 #include "parallel.hpp"
@@ -143,16 +145,18 @@ std::vector<const world_face*> faces_in_view(const world& w, const sight& from, 
       for (size_t k = group.first; k < group.end; ++k) {
         if (is_outside(w.faces[k].bound)) continue;
         int32_t least = INT32_MAX;
-        for (const world_vertex& p : w.faces[k].corners) least = std::min(least, along(from.f.forward, p, from.f, from.scale));
+        if (nearest_first)
+          for (const world_vertex& p : w.faces[k].corners) least = std::min(least, along(from.f.forward, p, from.f, from.scale));
         here.push_back((nearest_first ? uint64_t(std::max(least, from.view.camera.near_z)) << 32 : 0) | k);
       }
     }
     std::sort(here.begin(), here.end());
   });
-  std::vector<uint64_t>& all = found[0];
+  std::vector<uint64_t> all = std::move(found[0]);
   for (size_t part = 1; part < found.size(); ++part) {
-    const auto end = all.insert(all.end(), found[part].begin(), found[part].end());
-    std::inplace_merge(all.begin(), end, all.end());
+    std::vector<uint64_t> both(all.size() + found[part].size());
+    std::merge(all.begin(), all.end(), found[part].begin(), found[part].end(), both.begin());
+    all = std::move(both);
   }
   std::vector<const world_face*> faces(all.size());
   std::transform(all.begin(), all.end(), faces.begin(), [&](uint64_t entry) { return &w.faces[uint32_t(entry)]; });
@@ -261,6 +265,7 @@ std::array<double, 16> clip_matrix(const world& w, const camera_options& camera,
 scene look_at(const world& w, const camera_options& camera, screen_size size, const set_up_options& how) {
   scene s{w.name, size, w.maps, {}};
   if (!(w.radius > 0)) return s;
+  if (w.groups.empty() || w.groups.back().end != w.faces.size()) throw std::logic_error(w.name + ": not measured");
   const frame f = stand(w, camera, size);
   const double scale = engine_radius / w.radius, distance = length(w.centre - f.eye) / w.radius;
   if (distance > farthest_radii - 1) throw input_error(w.name + ": camera is more than 99 radii away from the model's centre");

@@ -52,6 +52,7 @@ KERNEL_GATES = [
     ("polygons' masks: what lies before the area", "hal/kernels/vectors/masks.hpp", "if (k == 0) mask &= p.first_columns;", "", "masks", "they_cover*", KERNELS),
     ("polygons' masks: what lies behind the area", "hal/kernels/vectors/masks.hpp", "if (k == count - 1) mask &= p.last_columns;", "", "masks", "they_cover*", KERNELS),
     ("polygons' masks: what lies above and below the area", "hal/kernels/vectors/masks.hpp", "covered(p, row, lanes, k) & row.rows;", "covered(p, row, lanes, k);", "masks", "they_cover*", KERNELS),
+    ("polygons' masks: what is behind the viewer", "hal/kernels/vectors/masks.hpp", "if (!p.in_front) mask &=", "if (false) mask &=", "masks", "they_cover*", KERNELS),
     ("polygons' masks: depths beyond the range not saturated", "hal/kernels/vectors/masks.hpp", "if (!whole || row.saturates(p, k))", "if (!whole)", "masks", "they_hide*", KERNELS),
     ("AVX-512's masks: the second row of pixels taken for the first", "hal/kernels/masks_avx512.cpp", "_mm512_set1_epi32(p.edges[e].b), second_row", "_mm512_set1_epi32(p.edges[e].a), second_row", "masks", "they_cover*", KERNELS),
     ("AVX-512's masks: a floor of the nearest pixel", "hal/kernels/masks_avx512.cpp", "farthest = _mm256_min_epu32(farthest, now);", "farthest = now;", "masks", "they_hide*", KERNELS),

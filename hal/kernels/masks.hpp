@@ -44,7 +44,7 @@ class masked_polygon {
   int32_t first_span() const { return area.x0 / span_side; }
   int32_t span_count() const { return (area.x1 - 1) / span_side - first_span() + 1; }
 
-  uint64_t depth_step() const { return 2 * span_side * uint64_t(shape.depth.x); }  // from span to span
+  SPANTEX_WRAPS uint64_t depth_step() const { return 2 * span_side * uint64_t(shape.depth.x); }  // from span to span
 
   // Null: there are none.
   uint32_t* floor_of(int32_t sx, int32_t sy) const { return depth.floors == nullptr ? nullptr : &depth.floors[sy * ((frame_width + span_side - 1) / span_side) + sx]; }

@@ -79,7 +79,7 @@ span_mask covered(const masked_polygon& p, const masked_row& row, const pixel_la
   return ~bits;
 }
 
-span_mask nearer(const masked_polygon& p, const pixel_lanes& lanes, int64_t depth, int32_t sx, int32_t sy, span_mask mask) {
+SPANTEX_WRAPS span_mask nearer(const masked_polygon& p, const pixel_lanes& lanes, int64_t depth, int32_t sx, int32_t sy, span_mask mask) {
   const __m256i down = _mm256_set1_epi64x(int64_t(2 * uint64_t(p.shape.depth.y))), pixels = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
   __m256i some = _mm256_add_epi64(_mm256_set1_epi64x(depth), lanes.some_depths()), others = _mm256_add_epi64(_mm256_set1_epi64x(depth), lanes.other_depths());
   uint32_t* row = p.depths_of(sx, sy);

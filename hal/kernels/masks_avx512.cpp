@@ -32,7 +32,7 @@ uint32_t hidden(const masked_polygon& p, const masked_row& row, int k, int count
 // Edges' values in two rows of pixels, and depths in one, less those of the first pixel.
 class pixel_lanes {
  public:
-  void prepare(const masked_polygon& p) {
+  SPANTEX_WRAPS void prepare(const masked_polygon& p) {
     if (prepared_) return;
     prepared_ = true;
     depths_ = steps_of(2 * uint64_t(p.shape.depth.x));

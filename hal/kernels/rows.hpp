@@ -147,10 +147,11 @@ status draw_polygon(row_kernel kernel, row_cover visible, const planar_map& texe
   area = intersection(intersection(p.box, area), {0, 0, frame.width, frame.height});
   if (area.empty()) return scalar.flush();
   const masked_polygon masked(p, area, depth, frame.width, frame.height, stores_depth);
+  const bool keeps = scalar.keeps_some();
   bool leaves[max_row_spans];
-  const auto cover = [&](rectangle, int32_t first, int count, int32_t sy, row_masks& out) {
-    for (int k = 0; scalar.keeps_some() && k < count; ++k) leaves[k] = scalar.keeps(first + k, sy);
-    visible(masked, sy, scalar.keeps_some() ? leaves : nullptr, out, counts);
+  const auto cover = [&](rectangle, int32_t, int, int32_t sy, row_masks& out) {
+    for (int k = 0; keeps && k < masked.span_count(); ++k) leaves[k] = scalar.keeps(masked.first_span() + k, sy);
+    visible(masked, sy, keeps ? leaves : nullptr, out, counts);
   };
   SPANTEX_TRY(detail::draw_rows(kernel, texels, scalar, surface{&p.map, &t, kind}, area, frame, counts, cover, shade));
   return scalar.flush();

@@ -139,7 +139,7 @@ uint32_t lowest_floor(const vertex (&v)[3], const polygon& p, const projection& 
   const int32_t columns = (across_px + 7) / 8, rows = (down_px + 7) / 8;
   const auto hides = [&](uint32_t floor) {
     std::fill(floors, floors + columns * rows, floor);
-    return is_hidden(v, seen, {0, 0, across_px, down_px}, floors, across_px);
+    return is_hidden(v, seen, {0, 0, across_px, down_px}, {nullptr, floors}, across_px, down_px);
   };
   uint32_t low = 0, high = uint32_t(1) << 31;
   if (!hides(high)) return 0;
@@ -177,7 +177,7 @@ SPANTEX_CASE(no_pixel_is_nearer_than_the_bound) {
       const int64_t part = random.between(0, 256);
       const auto between = [&](int32_t a, int32_t b) { return int32_t(a + ((int64_t(b) - a) * part >> 8)); };
       v[1].z = v[0].z;
-      v[2] = moved(random, {between(v[0].x, v[1].x), between(v[0].y, v[1].y), v[0].z + int32_t(random.between(0, v[0].z / 2)), 0, 0}, z >> random.between(3, 10), 0);
+      v[2] = moved(random, {between(v[0].x, v[1].x), between(v[0].y, v[1].y), int32_t(std::min<int64_t>(v[0].z + random.between(0, v[0].z / 2), INT32_MAX)), 0, 0}, z >> random.between(3, 10), 0);
     }
     const projection seen{60 * one, 60 * one, width * one / 2, height * one / 2, n % 5 == 0 ? 1 : one / 16};
     polygon p{};
@@ -206,6 +206,75 @@ SPANTEX_CASE(no_pixel_is_nearer_than_the_bound_where_w_has_few_bits) {
   assert_true(hidden > (short_run() ? 300 : 1000));
 }
 
+// Numbers up to the ends of their types, triangles of 1/128 to 128 pixels, clip rectangles anywhere: bounded or not, and never exceeded.
+SPANTEX_CASE(no_pixel_is_nearer_than_the_bound_at_the_ends_of_the_range) {
+  random_source random(73);
+  int bounded = 0, unbounded = 0;
+  for (int n = 0; n < (short_run() ? 60000 : 1000000); ++n) {
+    const int32_t near_z = n % 6 == 0 ? 1 : int32_t(random.between(1, n % 6 == 1 ? 1 << 20 : INT32_MAX / 2));
+    const int64_t z = random.between(near_z, n % 6 == 2 ? INT32_MAX : clamp_to(int64_t(near_z) * 4, int64_t(0), int64_t(INT32_MAX)));
+    const int64_t focal = random.between(one, max_screen_px / 2 * int64_t(one)), x = random.between(-20 * 256, 4100 * 256), y = random.between(-20 * 256, 4100 * 256);
+    const int64_t reach = int64_t(1) << random.between(0, 14), deep = z >> random.between(0, 30), texels = n % 2 != 0 ? INT32_MAX : INT32_MAX >> random.between(0, 20);
+    const projection seen{int32_t(focal), int32_t(focal), int32_t(random.between(0, 2047) * one), int32_t(random.between(0, 2047) * one), near_z};
+    const auto texel = [&] { return int32_t(random.between(0, 3) == 0 ? (random.between(0, 1) == 0 ? INT32_MIN : INT32_MAX) : random.between(-texels, texels)); };
+    vertex v[3];
+    bool in_range = true;
+    for (vertex& c : v) {
+      const int64_t depth = clamp_to(z + random.between(-deep, deep), int64_t(near_z), int64_t(INT32_MAX));
+      const auto along = [&](int64_t at, int32_t centre) {
+        const double offset = (double(at + random.between(-reach, reach)) * 256 - centre) * double(depth) / double(focal);
+        in_range = in_range && offset > INT32_MIN && offset < INT32_MAX;
+        return in_range ? int32_t(offset) : 0;
+      };
+      c = {along(x, seen.centre_x), along(y, seen.centre_y), int32_t(depth), texel(), texel()};
+    }
+    const auto near = [&](int64_t at) { return int32_t(clamp_to((at >> 8) - random.between(0, 40), int64_t(0), int64_t(4000))); };
+    const int32_t x0 = near(x), y0 = near(y), x1 = min_of(x0 + int32_t(random.between(1, 80)), max_screen_px), y1 = min_of(y0 + int32_t(random.between(1, 80)), max_screen_px);
+    polygon p{};
+    if (!in_range || make_polygon(v, 3, seen, {x0, y0, x1, y1}, p) != status::ok) continue;
+    spantex::detail::seen_corner corners[3];
+    uint32_t most_texel = 0;
+    for (int k = 0; k < 3; ++k) {
+      const homogeneous_point h = project(v[k], seen);
+      corners[k] = {spantex::detail::snapped(h.x, h.z), spantex::detail::snapped(h.y, h.z), (int64_t(near_z) << 31) / h.z};
+      in_range = in_range && magnitude(corners[k].x) < uint64_t(guard_px) << 8 && magnitude(corners[k].y) < uint64_t(guard_px) << 8;
+      most_texel = std::max({most_texel, uint32_t(magnitude(v[k].u)), uint32_t(magnitude(v[k].v))});
+    }
+    if (!in_range) continue;
+    const uint64_t bound = spantex::detail::depth_bound(corners, most_texel, p.box.x1 - p.box.x0 + p.box.y1 - p.box.y0);
+    (bound == spantex::detail::no_bound ? unbounded : bounded) += 1;
+    for (int32_t sy = p.box.y0 / 8; sy <= (p.box.y1 - 1) / 8; ++sy)
+      for (int32_t sx = p.box.x0 / 8; sx <= (p.box.x1 - 1) / 8; ++sx)
+        for (span_mask mask = coverage(p.edges, sx, sy) & rectangle_mask(p.box, sx, sy); mask != 0; mask &= mask - 1) {
+          const int k = __builtin_ctzll(mask);
+          assert_true(depth_at(p, 2 * (sx * 8 + k % 8) + 1, 2 * (sy * 8 + k / 8) + 1) <= bound);
+        }
+  }
+  print_message("%d bounded, %d not\n", bounded, unbounded);
+  assert_true(bounded > (short_run() ? 5000 : 100000) && unbounded > 100);
+}
+
+// Clip rectangles beyond the frame, and no floors.
+SPANTEX_CASE(what_is_outside_of_the_frame_is_not_hidden) {
+  uint32_t floors[across * down];
+  std::fill(floors, floors + across * down, uint32_t(1) << 31);
+  const auto triangle_at = [](int32_t x, int32_t y, vertex (&v)[3]) {
+    const auto corner = [&](int32_t dx, int32_t dy) { return vertex{(x + dx - width / 2) * one / 6, (y + dy - height / 2) * one / 6, 10 * one, 0, 0}; };
+    v[0] = corner(0, 0);
+    v[1] = corner(9, 0);
+    v[2] = corner(0, 9);
+  };
+  constexpr rectangle beyond{0, 0, 2 * width, 2 * height};
+  vertex v[3];
+  triangle_at(20, 20, v);
+  assert_true(is_hidden(v, camera, beyond, {nullptr, floors}, width, height));
+  assert_false(is_hidden(v, camera, beyond, {}, width, height));
+  triangle_at(width + 3, 20, v);
+  assert_false(is_hidden(v, camera, beyond, {nullptr, floors}, width, height));
+  triangle_at(20, height + 3, v);
+  assert_false(is_hidden(v, camera, beyond, {nullptr, floors}, width, height));
+}
+
 // What it says is hidden shows nothing, span by span; and it says so of most of what shows nothing behind a wall.
 SPANTEX_CASE(hidden_triangles_show_nothing) {
   int hidden = 0, shows_nothing = 0;
@@ -219,7 +288,7 @@ SPANTEX_CASE(hidden_triangles_show_nothing) {
       for (vertex& c : v) c = {int32_t(x + random.between(-side, side)), int32_t(y + random.between(-side, side)), int32_t(z + random.between(-z / 8, z / 8)), 0, 0};
       polygon p{};
       if (make_polygon(v, 3, camera, {0, 0, width, height}, p) != status::ok) continue;
-      const bool said = is_hidden(v, camera, {0, 0, width, height}, with.floors, width);
+      const bool said = is_hidden(v, camera, {0, 0, width, height}, {nullptr, with.floors}, width, height);
       uint64_t shown = 0;
       each_span(p, [&](int32_t sx, int32_t sy, span_mask mask) { shown += uint64_t(__builtin_popcountll(depth_test(p, sx, sy, mask, {with.values, with.floors}, width, true))); });
       if (said) assert_int_equal(shown, 0);
@@ -317,6 +386,8 @@ int main() {
       cmocka_unit_test(no_pixel_of_a_span_is_farther_than_its_floor),
       cmocka_unit_test(no_pixel_is_nearer_than_the_bound),
       cmocka_unit_test(no_pixel_is_nearer_than_the_bound_where_w_has_few_bits),
+      cmocka_unit_test(no_pixel_is_nearer_than_the_bound_at_the_ends_of_the_range),
+      cmocka_unit_test(what_is_outside_of_the_frame_is_not_hidden),
       cmocka_unit_test(hidden_triangles_show_nothing),
       cmocka_unit_test(depths_of_a_span_lie_between_its_corners),
       cmocka_unit_test(what_is_nearer_is_seen_and_kept),

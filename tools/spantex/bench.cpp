@@ -197,7 +197,7 @@ void print_frames(const std::vector<frames_row>& rows) {
   for (const frames_row& r : rows) {
     const bool ours = !r.kernel.empty();
     printf("%-12s %-9s %-14s %9s %9.2f %17s %9.2f %8.2f %7s\n", r.filter.c_str(), r.drawer.c_str(), ours ? r.kernel.c_str() : "-", ours ? rounded_to(2, r.set_up_ms.median).c_str() : "-",
-           r.all_ms.median, (rounded_to(2, r.all_ms.low) + ".." + rounded_to(2, r.all_ms.high)).c_str(), r.most_ms, r.psnr_db, ours ? "-" : rounded_to(2, r.psnr_ours_db).c_str());
+           r.all_ms.median, (rounded_to(2, r.all_ms.low) + ".." + rounded_to(2, r.all_ms.high)).c_str(), r.most_ms, r.psnr_db, ours ? "-" : (rounded_to(2, r.psnr_ours_db) + (r.right_picture ? "" : " WRONG")).c_str());
   }
 }
 
@@ -208,6 +208,7 @@ json to_json(const frames_row& r) {
     j["set_up_ms"] = to_json(r.set_up_ms);
   } else {
     j["psnr_ours_db"] = finite_or_null(r.psnr_ours_db);
+    j["right_picture"] = r.right_picture;
   }
   j["all_ms"] = to_json(r.all_ms);
   j["most_ms"] = r.most_ms;
@@ -224,6 +225,7 @@ void measure_frames_of_model(const bench_options& o) {
   what.map = o.map;
   what.size = o.size;
   what.fov_degrees = o.fov_degrees;
+  what.order = "nearest";
   const sim::output_file out = wanted_output(o.out);
   const subject_options::loaded subject(what, drawing_options());
   if (!subject.is_model()) throw sim::input_error("--model: '" + o.model + "' has its own view; only models and levels are drawn frame by frame");
@@ -270,10 +272,10 @@ void add_bench_command(CLI::App& app) {
       sub.add_option("--kernels", o->kernels, "scalar and the host's kernels, or all; one that cannot draw a scene or filter has no row there")->delimiter(',')->capture_default_str(),
       sub.add_option("--peers", o->peers, "files of the folder peers beside this command, or all, or none")->delimiter(',')->capture_default_str(),
       sub.add_option("--size", o->size, "picture size, WxH")->capture_default_str(),
-      sub.add_option("--repeat", o->rounds, "turns of each, 1.." + std::to_string(most_rounds) + "; of slow ones (20 ms a picture) three at most")->capture_default_str(),
+      sub.add_option("--repeat", o->rounds, "turns of each, 1.." + std::to_string(most_rounds) + "; of slow ones (20 ms a picture) three at most, but with --model")->capture_default_str(),
       sub.add_option("--json", o->out, "everything measured, as JSON"),
   };
-  CLI::Option* const model = sub.add_option("--model", o->model, "instead: frames of a model or level with its set-up, profile default; peers that draw triangles");
+  CLI::Option* const model = sub.add_option("--model", o->model, "instead: frames of a model or level, drawn nearest first, with its set-up, profile default; peers that draw triangles");
   CLI::Option* const of_model[] = {
       model,
       sub.add_option("--map", o->map, "which level of a .pk3 archive")->needs(model),

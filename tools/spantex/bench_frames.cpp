@@ -34,11 +34,12 @@ class contestant {
     all_.push_back(spread_of(all).median);
   }
   // What the turns of a frame came to.
-  void end_frame(const sim::ideal_image& reference, const sim::image& ours) {
+  void end_frame(const sim::ideal_image& reference, const sim::image& ours, double flat_db) {
     set_up_of_frames_.push_back(spread_of(std::exchange(set_up_, {})).median);
     all_of_frames_.push_back(spread_of(std::exchange(all_, {})).median);
     squares_ += square_of(sim::psnr_db(picture(), reference));
     squares_to_ours_ += square_of(sim::psnr_db(picture(), ours));
+    squares_of_flat_ += square_of(flat_db);
   }
   const sim::image& picture() const { return *picture_; }
   frames_row row() const {
@@ -49,6 +50,7 @@ class contestant {
     const double frames = double(all_of_frames_.size());
     r.psnr_db = -10 * log10(squares_ / frames);
     r.psnr_ours_db = -10 * log10(squares_to_ours_ / frames);
+    r.right_picture = squares_ < squares_of_flat_;
     return r;
   }
 
@@ -58,7 +60,7 @@ class contestant {
   frames_row row_;
   const sim::image* picture_ = nullptr;
   std::vector<double> set_up_, all_, set_up_of_frames_, all_of_frames_;
-  double squares_ = 0, squares_to_ours_ = 0;
+  double squares_ = 0, squares_to_ours_ = 0, squares_of_flat_ = 0;
 };
 
 class our_contestant final : public contestant {
@@ -87,8 +89,12 @@ class our_contestant final : public contestant {
 
 class peer_contestant final : public contestant {
  public:
-  peer_contestant(peers::peer& p, const sim::world& shape, sim::screen_size size, frames_row of) : contestant(std::move(of)), peer_(p), shape_(shape), size_(size) {}
-  void begin_frame(const sim::camera_options& camera) override { clip_ = sim::clip_matrix(shape_, camera, size_); }
+  peer_contestant(peers::peer& p, const sim::world& shape, sim::screen_size size, filter kind, frames_row of) : contestant(std::move(of)), peer_(p), shape_(shape), size_(size), kind_(kind) {}
+  // Made ready anew: by another filter it may have drawn between.
+  void begin_frame(const sim::camera_options& camera) override {
+    prepare_peer(peer_, shape_, size_, kind_);
+    clip_ = sim::clip_matrix(shape_, camera, size_);
+  }
   const sim::image& draw(double&, double& all_ms) override {
     peer_.begin_frame(clip_.data());
     const auto begun = std::chrono::steady_clock::now();
@@ -102,48 +108,64 @@ class peer_contestant final : public contestant {
   peers::peer& peer_;
   const sim::world& shape_;
   sim::screen_size size_;
+  filter kind_;
   std::array<double, 16> clip_;
   sim::image picture_;
 };
 
+// Those who draw by a filter; first ours.
+struct contest {
+  std::vector<std::unique_ptr<contestant>> all;
+  size_t ours = 0;
+};
+
+contest contestants(const subject_options::loaded& subject, filter kind, const frames_choice& choice, const peer_list& peers) {
+  contest c;
+  const std::string filter_name(sim::name_of(sim::filter_names, kind));
+  for (const kernels::choice kernel : choice.kernels) {
+    const std::string kernel_name(sim::name_of(sim::kernel_names, kernel));
+    if (kernel == kernels::choice::scalar || (kernels::kernel_of(kernel) != nullptr && kernels::draws(kind)))
+      c.all.push_back(std::make_unique<our_contestant>(subject, kind, kernel, frames_row{filter_name, "spantex", kernel_name, {}, {}}));
+  }
+  c.ours = c.all.size();
+  for (const auto& p : peers)
+    if (prepare_peer(*p, subject.world(), subject.size(), kind))
+      c.all.push_back(std::make_unique<peer_contestant>(*p, subject.world(), subject.size(), kind, frames_row{filter_name, p->name(), "", {}, {}}));
+  return c;
+}
+
 }  // namespace
 
 std::vector<frames_row> measure_frames(const subject_options::loaded& subject, const frames_choice& choice, const peer_list& peers, const std::function<void()>& step) {
+  using faces = subject_options::loaded::faces;
   std::vector<sim::camera_options> cameras;
   if (subject.walks())
     for (const sim::viewpoint& v : subject.walk(choice.frames)) cameras.push_back(subject.camera_from(v));
   else
     for (int k = 0; k < choice.frames; ++k) cameras.push_back(subject.camera_at(360.0 * k / choice.frames));
-  std::vector<frames_row> rows;
-  for (const filter kind : choice.filters) {
-    const std::string filter_name(sim::name_of(sim::filter_names, kind));
-    std::vector<std::unique_ptr<contestant>> all;
-    for (const kernels::choice kernel : choice.kernels) {
-      const std::string kernel_name(sim::name_of(sim::kernel_names, kernel));
-      if (kernel == kernels::choice::scalar || (kernels::kernel_of(kernel) != nullptr && kernels::draws(kind)))
-        all.push_back(std::make_unique<our_contestant>(subject, kind, kernel, frames_row{filter_name, "spantex", kernel_name, {}, {}}));
-    }
-    const size_t ours = all.size();
-    if (ours == 0) continue;  // none of the kernels has the filter
-    for (const auto& p : peers)
-      if (prepare_peer(*p, subject.world(), subject.size(), kind))
-        all.push_back(std::make_unique<peer_contestant>(*p, subject.world(), subject.size(), frames_row{filter_name, p->name(), "", {}, {}}));
-    for (const sim::camera_options& camera : cameras) {
-      for (const auto& c : all) c->begin_frame(camera);
+  std::vector<contest> contests;
+  for (const filter kind : choice.filters)
+    if (contest c = contestants(subject, kind, choice, peers); c.ours != 0) contests.push_back(std::move(c));
+  for (const sim::camera_options& camera : cameras) {
+    const sim::ideal_image reference = sim::render_reference(subject.set_up(camera, nullptr, faces::all), background, sim::hardware_threads());
+    const double flat_db = flat_psnr_db(reference);
+    for (contest& c : contests) {
+      for (const auto& one : c.all) one->begin_frame(camera);
       for (int round = 0; round < choice.rounds; ++round)
-        for (const auto& c : all) c->take_turn();
-      const sim::ideal_image reference = sim::render_reference(subject.set_up(camera), background, sim::hardware_threads());
-      for (size_t k = 0; k < all.size(); ++k) {
-        if (k < ours && all[k]->picture().pixels != all[0]->picture().pixels) throw std::logic_error(subject.world().name + ": kernels differ");
-        all[k]->end_frame(reference, all[0]->picture());
+        for (const auto& one : c.all) one->take_turn();
+      for (size_t k = 0; k < c.all.size(); ++k) {
+        if (k < c.ours && c.all[k]->picture().pixels != c.all[0]->picture().pixels) throw std::logic_error(subject.world().name + ": kernels differ");
+        c.all[k]->end_frame(reference, c.all[0]->picture(), flat_db);
       }
       step();
     }
-    for (size_t k = 0; k < all.size(); ++k) {
-      rows.push_back(all[k]->row());
-      if (k < ours) rows.back().psnr_ours_db = NAN;
-    }
   }
+  std::vector<frames_row> rows;
+  for (const contest& c : contests)
+    for (size_t k = 0; k < c.all.size(); ++k) {
+      rows.push_back(c.all[k]->row());
+      if (k < c.ours) rows.back().psnr_ours_db = NAN;
+    }
   return rows;
 }
 

@@ -91,15 +91,6 @@ picture_error error_of(const sim::image& picture, const sim::ideal_image& refere
   return {255 * pow(10, -psnr / 20), sim::worst_error(picture, reference), psnr};
 }
 
-// What a picture must beat to be called the right one: the reference's mean colour everywhere. Turned over or shifted it would not.
-double flat_psnr_db(const sim::ideal_image& reference) {
-  sim::ideal_colour mean{};
-  for (const sim::ideal_colour& c : reference.pixels)
-    for (size_t k = 0; k < c.size(); ++k) mean[k] += c[k] / double(reference.pixels.size());
-  const auto byte = [&](size_t k) { return uint8_t(lround(mean[k])); };
-  return sim::psnr_db(sim::image(reference.width_px, reference.height_px, {byte(0), byte(1), byte(2), byte(3)}), reference);
-}
-
 struct contest {
   std::vector<std::unique_ptr<our_contestant>> ours;
   std::vector<std::unique_ptr<peer_contestant>> peers;
@@ -171,6 +162,15 @@ std::vector<bench_row> rows_of(const contest& all, const sim::scene& s, filter k
 }
 
 }  // namespace
+
+// Turned over or shifted a picture would not be better.
+double flat_psnr_db(const sim::ideal_image& reference) {
+  sim::ideal_colour mean{};
+  for (const sim::ideal_colour& c : reference.pixels)
+    for (size_t k = 0; k < c.size(); ++k) mean[k] += c[k] / double(reference.pixels.size());
+  const auto byte = [&](size_t k) { return uint8_t(lround(mean[k])); };
+  return sim::psnr_db(sim::image(reference.width_px, reference.height_px, {byte(0), byte(1), byte(2), byte(3)}), reference);
+}
 
 spread spread_of(std::vector<double> values) {
   std::sort(values.begin(), values.end());

@@ -163,7 +163,7 @@ void run(const render_options& o) {
   nlohmann::ordered_json report, frames;
   sim::frame_before before;
   sim::output_files written;
-  if (reference.wanted()) written.write(reference, sim::encode_png(sim::rounded(sim::render_reference(scene_of(0), drawing.background, sim::hardware_threads()))));
+  if (reference.wanted()) written.write(reference, sim::encode_png(sim::rounded(sim::render_reference(scene_of(0, faces::all), drawing.background, sim::hardware_threads()))));
   frame_writer in_order(written, team);
   const bool keeps = files.size() > 1 && parse_no_skip(o.drawing.no_skip).unchanged;
   for (size_t k = 0; k < files.size(); ++k) {
@@ -172,9 +172,10 @@ void run(const render_options& o) {
     const double set_up_ns = std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now() - begun).count();
     sim::draw_result r = draw_with_bar(s, drawing, keeps ? &before : nullptr);
     std::optional<double> psnr_db;
-    if (o.psnr) psnr_db = reference_psnr_db(s, r.picture, drawing.background);
+    const auto with_hidden = [&] { return subject.leaves_hidden() ? scene_of(k, faces::all) : s; };
+    if (o.psnr) psnr_db = reference_psnr_db(with_hidden(), r.picture, drawing.background);
     if (k == 0) report = nlohmann::ordered_json::parse(stats_json(r, drawing, psnr_db, subject.textures_missing()));
-    if (stats.wanted() && files.size() > 1) frames.push_back(subject.leaves_hidden() ? frame_json(s, scene_of(k, faces::all), r, set_up_ns) : frame_json(s, s, r, set_up_ns));
+    if (stats.wanted() && files.size() > 1) frames.push_back(frame_json(s, with_hidden(), r, set_up_ns));
     if (files.size() > 1) {
       in_order.write(files[k], std::move(r.picture), psnr_db);
       continue;
