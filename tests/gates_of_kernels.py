@@ -48,7 +48,7 @@ KERNEL_GATES = [
     ("polygons' masks: no more than three edges", "hal/kernels/masks.cpp", "first < count; first += at_once", "first < 1; first += at_once", "masks", "they_cover*", KERNELS),
     ("polygons' masks: edges that lie far away cut to 32 bits", "hal/kernels/masks.hpp", "return at < 1 << 30 ? int32_t(at) : 1 << 30;", "return int32_t(at);", "masks", "they_cover*", KERNELS),
     ("polygons' masks: spans that are left out drawn", "hal/kernels/vectors/masks.hpp", "if (leaves[k + n]) wanted", "if (false) wanted", "masks", "they_hide*", KERNELS),
-    ("polygons' masks: floors one too high", "hal/kernels/masks.cpp", ">> depth_guard_bits <= int64_t(floor)", ">> depth_guard_bits <= int64_t(floor) + 1", "masks", "they_hide*", KERNELS),
+    ("polygons' masks: floors too high", "hal/kernels/masks.cpp", ">> depth_guard_bits <= int64_t(floor)", ">> depth_guard_bits <= int64_t(floor) + (1 << 24)", "masks", "they_hide*", KERNELS),
     ("polygons' masks: what lies before the area", "hal/kernels/vectors/masks.hpp", "if (k == 0) mask &= p.first_columns;", "", "masks", "they_cover*", KERNELS),
     ("polygons' masks: what lies behind the area", "hal/kernels/vectors/masks.hpp", "if (k == count - 1) mask &= p.last_columns;", "", "masks", "they_cover*", KERNELS),
     ("polygons' masks: what lies above and below the area", "hal/kernels/vectors/masks.hpp", "covered(p, row, lanes, k) & row.rows;", "covered(p, row, lanes, k);", "masks", "they_cover*", KERNELS),
