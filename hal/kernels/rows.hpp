@@ -28,7 +28,6 @@ struct in_place {
 struct of_all_rows {
   shortcut everywhere;
   upright_plane upright;
-  row_memory memory;
   of_all_rows(const surface& s, const planar_map& texels, rectangle area) : everywhere(shortcut_of(s, texels, area)), upright(s, area) {}
 };
 
@@ -43,6 +42,7 @@ status draw_rows_to(row_kernel kernel, const planar_map& texels, Renderer& scala
   const int count = (area.x1 - 1) / span_side - first + 1;
   if (count > max_row_spans) return status::bad_size;
   std::optional<of_all_rows> all;  // once something is seen
+  row_memory memory;
   row_masks row;
   bool left[max_row_spans];
   std::fill_n(left, count, false);
@@ -60,7 +60,7 @@ status draw_rows_to(row_kernel kernel, const planar_map& texels, Renderer& scala
       out.write(work, counts);
       continue;
     }
-    work.memory = &all->memory;
+    work.memory = &memory;
     if (!in_linear_light(texels, s.kind)) work.upright = all->upright.row(sy);
     kernel(work);
     out.write(work, counts);
