@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """The device library stands on nothing: firmware/spantex includes only <stdint.h>, <stddef.h>, <limits.h> and its own headers, the HAL in
-draw.hpp alone; nowhere in firmware/ does a floating-point type, an allocation or an exception appear. Comments and strings do not count."""
+draw.hpp alone; nowhere in firmware/ does a floating-point type, an allocation or an exception appear, nor numbers of 128 bits but where the compiler has them and something
+else stands beside. Comments and strings do not count."""
 import pathlib
 import re
 import sys
@@ -12,6 +13,7 @@ TOKENS = ("float", "double", "new", "delete", "malloc", "calloc", "realloc", "fr
           "dynamic_cast", "virtual", "std", "__int128")
 SPELL = re.compile(r"\b(" + "|".join(TOKENS) + r")\b")
 DELETED = re.compile(r"=\s*delete\b")
+WHERE_IT_IS = re.compile(r"^#ifdef __SIZEOF_INT128__$.*?^#else$", re.S | re.M)
 
 
 def without_comments_and_strings(text):
@@ -39,7 +41,7 @@ def complaints(path, text):
     for number, line in enumerate(text.splitlines(), 1):
         if reason := bad_include(path, line):
             yield f"{path}:{number}: {reason}"
-    for number, line in enumerate(without_comments_and_strings(text).splitlines(), 1):
+    for number, line in enumerate(WHERE_IT_IS.sub(lambda m: m[0].replace("__int128", "wide"), without_comments_and_strings(text)).splitlines(), 1):
         if line.lstrip().startswith("#"):
             continue
         for match in SPELL.finditer(DELETED.sub("", line)):
@@ -49,9 +51,10 @@ def complaints(path, text):
 def check_the_check():
     inside, outside = pathlib.Path("firmware/spantex/x.hpp"), pathlib.Path("firmware/apps/x.cpp")
     bad = ["#include <vector>", "#include <hal/engine.hpp>", '#include "bits.hpp"', "float x;", "int* p = new int;",
-           "void f() { throw 1; }", "double y = 0; // not this comment"]
+           "void f() { throw 1; }", "double y = 0; // not this comment", "__int128 z;", "#ifdef __SIZEOF_INT128__\nx();\n#endif\n__int128 z;",
+           "#ifdef __SIZEOF_INT128__\n#else\n__int128 z;\n#endif"]
     good = ["// float in a comment, new too", "#include <stdint.h>", "#include <spantex/bits.hpp>", 'const char* t = "double";',
-            "x(const x&) = delete;", "int renewed, floating;"]
+            "x(const x&) = delete;", "int renewed, floating;", "#ifdef __SIZEOF_INT128__\n__int128 z;\n#else\nint z;\n#endif"]
     missed = [t for t in bad if not list(complaints(inside, t))] + [t for t in good if list(complaints(inside, t))]
     if list(complaints(outside, "#include <hal/direct_engine.hpp>")) or missed:
         sys.exit(f"this check is broken: {missed}")
