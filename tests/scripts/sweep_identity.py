@@ -18,7 +18,7 @@ SPEC = "tools/sweeps/standard.json"
 FIRST, STEP = 31, 248
 COMPILER, EMULATOR = "aarch64-linux-gnu-g++", "qemu-aarch64"
 NAMES = ("distance_field", "draw_host", "encode", "encode_bc", "encode_etc", "figures", "file", "float_sampler", "ideal", "inverse_filter", "map", "object_space_host", "pack", "palette",
-         "pattern", "prefilter", "quality", "reference", "scene", "screen_filter", "sweep_judge", "sweep_subjects", "sweep_watch", "trace", "unchanged", "world")
+         "occlusion", "pattern", "prefilter", "quality", "reference", "scene", "screen_filter", "sweep_judge", "sweep_subjects", "sweep_watch", "trace", "unchanged", "world")
 SOURCES = ["tests/identity/sweep_rows.cpp", *(f"sim/{name}.cpp" for name in NAMES), *(f"tools/spantex/{name}.cpp" for name in ("options", "sweep_axes", "sweep_json", "sweep_record", "sweep_spec")),
            *sorted(str(p.relative_to(ROOT)) for p in (ROOT / "hal/kernels").glob("*.cpp"))]
 # Headers without code of a machine: CLI11, nlohmann-json, stb.

@@ -418,8 +418,8 @@ sim::camera_options subject_options::loaded::camera_from(const sim::viewpoint& v
   return c;
 }
 
-sim::scene subject_options::loaded::set_up(const sim::camera_options& camera, sim::thread_team* team, faces which) const {
-  return sim::look_at(*world_, camera, request_.size, {nearest_first_, team, leaves_hidden_ && which == faces::that_may_show});
+sim::scene subject_options::loaded::set_up(const sim::camera_options& from, sim::thread_team* team, faces which) const {
+  return sim::look_at(*world_, from, request_.size, {nearest_first_, team, leaves_hidden_ && which == faces::that_may_show});
 }
 
 sim::scene subject_options::loaded::at(double turn_degrees, sim::thread_team* team, faces which) const {

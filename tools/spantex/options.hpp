@@ -159,7 +159,7 @@ struct subject_options {
     sim::screen_size size() const { return request_.size; }
     sim::camera_options camera_at(double turn_degrees) const;
     sim::camera_options camera_from(const sim::viewpoint& v) const;
-    sim::scene set_up(const sim::camera_options& camera, sim::thread_team* team = nullptr, faces which = faces::that_may_show) const;
+    sim::scene set_up(const sim::camera_options& from, sim::thread_team* team = nullptr, faces which = faces::that_may_show) const;
     std::vector<sim::viewpoint> walk(int frames) const { return sim::tour(*level_, frames); }
 
    private:
