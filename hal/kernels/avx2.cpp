@@ -15,13 +15,7 @@
 #include <spantex/footprint.hpp>
 #include <spantex/level.hpp>
 
-// What the headers define stays compiled for any machine.
-#if defined(__clang__)
-#pragma clang attribute push(__attribute__((target("avx2,bmi,bmi2,lzcnt"))), apply_to = function)
-#else
-#pragma GCC push_options
-#pragma GCC target("avx2,bmi,bmi2,lzcnt")
-#endif
+#include "targets/avx2.hpp"
 
 namespace spantex::kernels {
 namespace {
@@ -59,11 +53,7 @@ void draw_any_row(const row_work& work) { draw_by_filter(rows, avx2_linear_light
 }  // namespace
 }  // namespace spantex::kernels
 
-#if defined(__clang__)
-#pragma clang attribute pop
-#else
-#pragma GCC pop_options
-#endif
+#include "targets/end.hpp"
 
 namespace spantex::kernels {
 

@@ -20,7 +20,7 @@
 #include <spantex/level.hpp>
 #include <spantex/reciprocal.hpp>
 
-#include "avx512/target_begin.hpp"
+#include "targets/avx512.hpp"
 
 namespace spantex::kernels {
 
@@ -345,7 +345,7 @@ void draw_any_row(const row_work& work) {
 }  // namespace
 }  // namespace spantex::kernels
 
-#include "avx512/target_end.hpp"
+#include "targets/end.hpp"
 
 namespace spantex::kernels {
 

@@ -5,12 +5,7 @@
 #if defined(__x86_64__)
 #include <immintrin.h>
 
-#if defined(__clang__)
-#pragma clang attribute push(__attribute__((target("avx2,bmi,bmi2,lzcnt"))), apply_to = function)
-#else
-#pragma GCC push_options
-#pragma GCC target("avx2,bmi,bmi2,lzcnt")
-#endif
+#include "targets/avx2.hpp"
 
 namespace spantex::kernels {
 namespace {
@@ -107,11 +102,7 @@ SPANTEX_WRAPS span_mask nearer(const masked_polygon& p, const pixel_lanes& lanes
 }  // namespace
 }  // namespace spantex::kernels
 
-#if defined(__clang__)
-#pragma clang attribute pop
-#else
-#pragma GCC pop_options
-#endif
+#include "targets/end.hpp"
 
 namespace spantex::kernels {
 row_cover avx2_cover() { return avx2_kernel() != nullptr ? cover_row : nullptr; }

@@ -5,7 +5,7 @@
 #if defined(__x86_64__)
 #include <immintrin.h>
 
-#include "avx512/target_begin.hpp"
+#include "targets/avx512.hpp"
 
 namespace spantex::kernels {
 namespace {
@@ -83,7 +83,7 @@ SPANTEX_WRAPS span_mask nearer(const masked_polygon& p, const pixel_lanes& lanes
 }  // namespace
 }  // namespace spantex::kernels
 
-#include "avx512/target_end.hpp"
+#include "targets/end.hpp"
 
 namespace spantex::kernels {
 row_cover avx512_cover() { return avx512_loads_kernel() != nullptr ? cover_row : nullptr; }

@@ -14,13 +14,7 @@
 #include <spantex/footprint.hpp>
 #include <spantex/level.hpp>
 
-// What the headers define stays compiled for any machine.
-#if defined(__clang__)
-#pragma clang attribute push(__attribute__((target("sse4.1"))), apply_to = function)
-#else
-#pragma GCC push_options
-#pragma GCC target("sse4.1")
-#endif
+#include "targets/sse41.hpp"
 
 namespace spantex::kernels {
 namespace {
@@ -58,11 +52,7 @@ void draw_any_row(const row_work& work) { draw_by_filter(rows, sse41_linear_ligh
 }  // namespace
 }  // namespace spantex::kernels
 
-#if defined(__clang__)
-#pragma clang attribute pop
-#else
-#pragma GCC pop_options
-#endif
+#include "targets/end.hpp"
 
 namespace spantex::kernels {
 

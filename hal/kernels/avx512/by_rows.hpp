@@ -13,7 +13,7 @@
 #include <spantex/level.hpp>
 #include <spantex/reciprocal.hpp>
 
-#include "target_begin.hpp"
+#include "../targets/avx512.hpp"
 
 namespace spantex::kernels {
 namespace {
@@ -50,4 +50,4 @@ constexpr row_reader reader{draw_any_row, draw_planned<filter::aniso>};
 }  // namespace
 }  // namespace spantex::kernels
 
-#include "target_end.hpp"
+#include "../targets/end.hpp"

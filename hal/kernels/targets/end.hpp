@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Ends what target_begin.hpp began.
+// Ends what a header of this folder began.
 #if defined(__clang__)
 #pragma clang attribute pop
 #else
