@@ -117,6 +117,14 @@ image difference_picture(const image& a, const image& b) {
   return out;
 }
 
+double flat_psnr_db(const ideal_image& reference) {
+  ideal_colour mean{};
+  for (const ideal_colour& c : reference.pixels)
+    for (size_t k = 0; k < c.size(); ++k) mean[k] += c[k] / double(reference.pixels.size());
+  const auto byte = [&](size_t k) { return uint8_t(lround(mean[k])); };
+  return psnr_db(image(reference.width_px, reference.height_px, {byte(0), byte(1), byte(2), byte(3)}), reference);
+}
+
 double worst_error(const image& a, const ideal_image& b) {
   double worst = 0;
   for (size_t k = 0; k < a.pixels.size(); ++k) {

@@ -13,6 +13,7 @@ namespace spantex::sim {
 
 double psnr_db(const image& a, const ideal_image& b);
 double psnr_db(const image& a, const image& b);
+double flat_psnr_db(const ideal_image& reference);         // of a picture of its mean colour alone, which the right picture must beat: turned over or shifted it would not
 double worst_error(const image& a, const ideal_image& b);  // of one colour channel
 image rounded(const ideal_image& a);                       // to nearest
 double ssim(const image& a, const image& b);

@@ -50,17 +50,9 @@ void write_task(const sim::scene& s, const char* file) {
   if (!out.flush()) throw sim::input_error(std::string(file) + ": cannot write");
 }
 
-double flat_psnr_db(const sim::ideal_image& reference) {
-  sim::ideal_colour mean{};
-  for (const sim::ideal_colour& c : reference.pixels)
-    for (size_t k = 0; k < c.size(); ++k) mean[k] += c[k] / double(reference.pixels.size());
-  const auto byte = [&](size_t k) { return uint8_t(lround(mean[k])); };
-  return sim::psnr_db(sim::image(reference.width_px, reference.height_px, {byte(0), byte(1), byte(2), byte(3)}), reference);
-}
-
 void judge(const sim::scene& s) {
   const sim::ideal_image reference = sim::render_reference(s, background, 1);
-  const double flat_db = flat_psnr_db(reference);
+  const double flat_db = sim::flat_psnr_db(reference);
   std::string kind, file;
   while (std::cin >> kind >> file) {
     sim::image picture(s.size.width_px, s.size.height_px, {});

@@ -148,7 +148,7 @@ std::vector<frames_row> measure_frames(const subject_options::loaded& subject, c
     if (contest c = contestants(subject, kind, choice, peers); c.ours != 0) contests.push_back(std::move(c));
   for (const sim::camera_options& camera : cameras) {
     const sim::ideal_image reference = sim::render_reference(subject.set_up(camera, nullptr, faces::all), background, sim::hardware_threads());
-    const double flat_db = flat_psnr_db(reference);
+    const double flat_db = sim::flat_psnr_db(reference);
     for (contest& c : contests) {
       for (const auto& one : c.all) one->begin_frame(camera);
       for (int round = 0; round < choice.rounds; ++round)

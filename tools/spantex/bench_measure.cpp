@@ -150,7 +150,7 @@ std::vector<bench_row> rows_of(const contest& all, const sim::scene& s, filter k
                     std::string(sim::name_of(sim::kernel_names, o.kernel)), c->ns_per(pixels), error_of(c->result().picture, reference),
                     counts_of(*c, all, s), pixels});
   }
-  const double flat_db = flat_psnr_db(reference);
+  const double flat_db = sim::flat_psnr_db(reference);
   for (const auto& c : all.peers) {
     const sim::image picture = c->picture();
     bench_row row{s.name, filter_name, c->name(), "", "", c->ns_per(pixels), error_of(picture, reference), {}, pixels};
@@ -162,15 +162,6 @@ std::vector<bench_row> rows_of(const contest& all, const sim::scene& s, filter k
 }
 
 }  // namespace
-
-// Turned over or shifted a picture would not be better.
-double flat_psnr_db(const sim::ideal_image& reference) {
-  sim::ideal_colour mean{};
-  for (const sim::ideal_colour& c : reference.pixels)
-    for (size_t k = 0; k < c.size(); ++k) mean[k] += c[k] / double(reference.pixels.size());
-  const auto byte = [&](size_t k) { return uint8_t(lround(mean[k])); };
-  return sim::psnr_db(sim::image(reference.width_px, reference.height_px, {byte(0), byte(1), byte(2), byte(3)}), reference);
-}
 
 spread spread_of(std::vector<double> values) {
   std::sort(values.begin(), values.end());

@@ -42,9 +42,6 @@ struct bench_choice {
 // All rows of a scene. `step` is called as each filter is done.
 std::vector<bench_row> measure_scene(const sim::scene& s, const bench_choice& choice, const peer_list& peers, const std::function<void()>& step);
 
-// PSNR of what a picture must beat to be called the right one: the reference's mean colour everywhere.
-double flat_psnr_db(const sim::ideal_image& reference);
-
 // Ours and the fastest peer with the right picture, a scene and filter.
 struct bench_ratio {
   std::string scene, filter, peer;
