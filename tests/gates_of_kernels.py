@@ -2,7 +2,7 @@
 """Gates of the host kernels, as gate_list.py has others: name, file, what stands there, what it is broken into, suite, case, further sources the suite links."""
 import pathlib
 
-KERNELS = [f"hal/kernels/{name}.cpp" for name in ("avx2", "avx2_linear_light", "avx512", "avx512_gathers", "avx512_linear_light", "avx512_loads", "byte_planes", "kernel", "masks", "masks_avx2", "masks_avx512", "neon", "neon_linear_light", "planar_map", "row_levels", "shortcuts", "sse41", "sse41_linear_light", "upright", "words", "words_linear_light", "write_out")]
+KERNELS = [f"hal/kernels/{name}.cpp" for name in ("avx2", "avx2_linear_light", "avx512", "avx512_gathers", "avx512_linear_light", "avx512_loads", "byte_planes", "kernel", "masks", "masks_avx2", "masks_avx512", "masks_words", "neon", "neon_linear_light", "planar_map", "row_levels", "shortcuts", "sse41", "sse41_linear_light", "upright", "words", "words_linear_light", "write_out")]
 
 KERNEL_GATES = [
     ("a vector kernel's halves always up", "hal/kernels/vectors/pixels.hpp", "add16(rest, x & number<0x00800080>())", "add16(rest, number<0x00800080>())", "kernels", "random_planes*", KERNELS),
@@ -45,10 +45,10 @@ KERNEL_GATES = [
     ("a vector kernel's rows as long as they like", "hal/kernels/vectors/aniso.hpp", "limit - reach_of(c)", "8192", "kernels", "rows_beyond*", KERNELS),
     ("a vector kernel's texels before the division", "hal/kernels/vectors/common.hpp", "extent + (extent >> (-1 - c.slope_log2)) + 1", "extent", "kernels", "texels_after*", KERNELS),
     ("polygons' masks: edges rounded up", "hal/kernels/masks.cpp", "centre_subpixels(0)) >> subpixel_bits, min_of", "centre_subpixels(0)) / (1 << subpixel_bits), min_of", "masks", "they_cover*", KERNELS),
-    ("polygons' masks: no more than three edges", "hal/kernels/masks.cpp", "first < count; first += at_once", "first < 1; first += at_once", "masks", "they_cover*", KERNELS),
+    ("polygons' masks: no more than three edges", "hal/kernels/masks_words.cpp", "first < count; first += at_once", "first < 1; first += at_once", "masks", "they_cover*", KERNELS),
     ("polygons' masks: edges that lie far away cut to 32 bits", "hal/kernels/masks.hpp", "return at < 1 << 30 ? int32_t(at) : 1 << 30;", "return int32_t(at);", "masks", "they_cover*", KERNELS),
     ("polygons' masks: spans that are left out drawn", "hal/kernels/vectors/masks.hpp", "if (leaves[k + n]) wanted", "if (false) wanted", "masks", "they_hide*", KERNELS),
-    ("polygons' masks: floors too high", "hal/kernels/masks.cpp", ">> depth_guard_bits <= int64_t(floor)", ">> depth_guard_bits <= int64_t(floor) + (1 << 24)", "masks", "they_hide*", KERNELS),
+    ("polygons' masks: floors too high", "hal/kernels/masks_words.cpp", ">> depth_guard_bits <= int64_t(floor)", ">> depth_guard_bits <= int64_t(floor) + (1 << 24)", "masks", "they_hide*", KERNELS),
     ("polygons' masks: what lies before the area", "hal/kernels/vectors/masks.hpp", "if (k == 0) mask &= p.first_columns;", "", "masks", "they_cover*", KERNELS),
     ("polygons' masks: what lies behind the area", "hal/kernels/vectors/masks.hpp", "if (k == count - 1) mask &= p.last_columns;", "", "masks", "they_cover*", KERNELS),
     ("polygons' masks: what lies above and below the area", "hal/kernels/vectors/masks.hpp", "covered(p, row, lanes, k) & row.rows;", "covered(p, row, lanes, k);", "masks", "they_cover*", KERNELS),

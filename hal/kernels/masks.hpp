@@ -17,6 +17,10 @@ struct row_masks {
   int from, to;  // those with something to draw lie in [from, to)
 };
 
+// Of an area of pixels that is not empty.
+inline int32_t first_span(rectangle area) { return area.x0 / span_side; }
+inline int span_count(rectangle area) { return (area.x1 - 1) / span_side - first_span(area) + 1; }
+
 // A polygon within an area of the frame, ready for its rows of spans.
 class masked_polygon {
  public:
@@ -28,7 +32,7 @@ class masked_polygon {
     int32_t least, most;  // that a pixel's value differs from its span's first one's
   };
 
-  // depth.values null: no pixel is compared, spans with floors where there are. stores: depths of what is visible.
+  // The area is not empty. depth.values null: no pixel is compared, spans with floors where there are. stores: depths of what is visible.
   masked_polygon(const polygon& p, rectangle area, depth_buffer depth, int32_t frame_width, int32_t frame_height, bool stores);
 
   const polygon& shape;
@@ -41,8 +45,8 @@ class masked_polygon {
   const uint64_t to_nearest, depth_extent;      // from a span's first pixel to the nearest, from its farthest to the nearest, before they are shifted
   int32_t edge_count;
   pixel_edge edges[max_edges];
-  int32_t first_span() const { return area.x0 / span_side; }
-  int32_t span_count() const { return (area.x1 - 1) / span_side - first_span() + 1; }
+  int32_t first_span() const { return kernels::first_span(area); }
+  int span_count() const { return kernels::span_count(area); }
 
   SPANTEX_WRAPS uint64_t depth_step() const { return 2 * span_side * uint64_t(shape.depth.x); }  // from span to span
 

@@ -31,15 +31,13 @@ struct of_all_rows {
   of_all_rows(const surface& s, const planar_map& texels, rectangle area) : everywhere(shortcut_of(s, texels, area)), upright(s, area) {}
 };
 
-// Rows of spans of an area: `cover` makes the masks those from span (first, sy) on, of those of the row before; the kernel draws, `out` writes, and what is left goes through the
+// Rows of spans of an area within the frame, not empty: `cover` makes the masks of row sy of those of the row before; the kernel draws, `out` writes, and what is left goes through the
 // renderer.
 template <class Renderer, class Cover, class Out>
 status draw_rows_to(row_kernel kernel, const planar_map& texels, Renderer& scalar, const surface& s, rectangle area, const frame_buffer& frame, draw_counters& counts, Cover cover,
                     const typename Renderer::shading_job& shade, Out&& out) {
-  area = intersection(area, {0, 0, frame.width, frame.height});
-  if (area.empty()) return status::ok;
-  const int32_t first = area.x0 / span_side;
-  const int count = (area.x1 - 1) / span_side - first + 1;
+  const int32_t first = first_span(area);
+  const int count = span_count(area);
   if (count > max_row_spans) return status::bad_size;
   std::optional<of_all_rows> all;  // once something is seen
   row_memory memory;
@@ -47,7 +45,7 @@ status draw_rows_to(row_kernel kernel, const planar_map& texels, Renderer& scala
   bool left[max_row_spans];
   std::fill_n(left, count, false);
   for (int32_t sy = area.y0 / span_side; sy <= (area.y1 - 1) / span_side; ++sy) {
-    cover(area, first, count, sy, row);
+    cover(sy, row);
     if (row.from >= row.to) continue;
     if (!all) all.emplace(s, texels, area);
     const int32_t y = sy * span_side;
@@ -91,19 +89,23 @@ status draw_rows(row_kernel kernel, const planar_map& texels, Renderer& scalar, 
 template <class Renderer>
 status draw_plane(row_kernel kernel, const planar_map& texels, Renderer& scalar, const plane& p, const texture_view& t, filter kind, rectangle area,
                   const frame_buffer& frame, draw_counters& counts, const typename Renderer::shading_type& how = {}) {
+  area = intersection(area, {0, 0, frame.width, frame.height});
+  if (area.empty()) return scalar.flush();
+  const int32_t first = first_span(area);
+  const int count = span_count(area);
   span_mask filled = 0;  // what the row before has in all spans but the ends; 0 where some are kept
-  const auto cover = [&](rectangle r, int32_t first, int count, int32_t sy, row_masks& out) {
-    const int32_t y0 = max_of(r.y0, sy * span_side), y1 = min_of(r.y1, (sy + 1) * span_side);
+  const auto cover = [&](int32_t sy, row_masks& out) {
+    const int32_t y0 = max_of(area.y0, sy * span_side), y1 = min_of(area.y1, (sy + 1) * span_side);
     counts.spans_total += uint64_t(count);
     counts.jobs += uint64_t(count);
-    counts.pixels += uint64_t(r.x1 - r.x0) * uint64_t(y1 - y0);
+    counts.pixels += uint64_t(area.x1 - area.x0) * uint64_t(y1 - y0);
     out.from = 0;
     out.to = count;
     const span_mask inside = rectangle_mask({0, y0, span_side, y1}, 0, sy);
     if (inside == filled) return;
     std::fill(out.mask, out.mask + count, inside);
-    out.mask[0] = rectangle_mask(r, first, sy);
-    out.mask[count - 1] = rectangle_mask(r, first + count - 1, sy);
+    out.mask[0] = rectangle_mask(area, first, sy);
+    out.mask[count - 1] = rectangle_mask(area, first + count - 1, sy);
     if (!scalar.keeps_some()) {
       filled = inside;
       return;
@@ -149,7 +151,7 @@ status draw_polygon(row_kernel kernel, row_cover visible, const planar_map& texe
   const masked_polygon masked(p, area, depth, frame.width, frame.height, stores_depth);
   const bool keeps = scalar.keeps_some();
   bool leaves[max_row_spans];
-  const auto cover = [&](rectangle, int32_t, int, int32_t sy, row_masks& out) {
+  const auto cover = [&](int32_t sy, row_masks& out) {
     for (int k = 0; keeps && k < masked.span_count(); ++k) leaves[k] = scalar.keeps(masked.first_span() + k, sy);
     visible(masked, sy, keeps ? leaves : nullptr, out, counts);
   };
