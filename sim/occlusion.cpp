@@ -14,7 +14,7 @@ occlusion::occlusion(screen_size size)
     : size_(size), floors_(size_t(spans_of(size.width_px)) * size_t(spans_of(size.height_px))), parts_(floors_.size()) {}
 
 bool occlusion::hides(const vertex* corners, int count, const lens& view) const {
-  return count == 3 && is_hidden(corners, view.camera, view.clip, {nullptr, floors_.data()}, size_.width_px, size_.height_px);
+  return count == 3 && is_hidden(corners, view.camera, view.clip, floors_.data(), size_.width_px, size_.height_px);
 }
 
 void occlusion::add(const polygon& p, int band, int bands) {

@@ -29,7 +29,7 @@ class occlusion {
 
   screen_size size_;
   kernels::row_cover cover_ = kernels::cover_of(kernels::choice::fastest);
-  mutable std::vector<uint32_t> floors_;  // hides() reads them as a depth_buffer, which could be written
+  std::vector<uint32_t> floors_;
   std::vector<part> parts_;
 };
 

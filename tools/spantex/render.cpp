@@ -172,10 +172,13 @@ void run(const render_options& o) {
     const double set_up_ns = std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now() - begun).count();
     sim::draw_result r = draw_with_bar(s, drawing, keeps ? &before : nullptr);
     std::optional<double> psnr_db;
-    const auto with_hidden = [&] { return subject.leaves_hidden() ? scene_of(k, faces::all) : s; };
-    if (o.psnr) psnr_db = reference_psnr_db(with_hidden(), r.picture, drawing.background);
+    const bool counts = stats.wanted() && files.size() > 1;
+    std::optional<sim::scene> with_hidden;
+    if (subject.leaves_hidden() && (o.psnr || counts)) with_hidden = scene_of(k, faces::all);
+    const sim::scene& all = with_hidden ? *with_hidden : s;
+    if (o.psnr) psnr_db = reference_psnr_db(all, r.picture, drawing.background);
     if (k == 0) report = nlohmann::ordered_json::parse(stats_json(r, drawing, psnr_db, subject.textures_missing()));
-    if (stats.wanted() && files.size() > 1) frames.push_back(frame_json(s, with_hidden(), r, set_up_ns));
+    if (counts) frames.push_back(frame_json(s, all, r, set_up_ns));
     if (files.size() > 1) {
       in_order.write(files[k], std::move(r.picture), psnr_db);
       continue;
