@@ -39,12 +39,20 @@ row_levels::row_levels(const texture_view& view, int32_t apron) : apron_(apron) 
     add_texels(view, k);
   }
   if (view.colours() == colour_space::coded) return;
-  const auto linear = [](rgba8 t) {
-    const auto centred = [](uint32_t x) { return int16_t(int32_t(x) - linear_texel::offset); };
-    return linear_texel{centred(srgb_decoded(t.r)), centred(srgb_decoded(t.g)), centred(srgb_decoded(t.b)), centred(t.a)};
-  };
   linear_texels_.reserve(texels_.size());
-  for (const rgba8 t : texels_) linear_texels_.push_back(linear(t));
+  for (int k = 0; k < count_; ++k) add_linear_texels(k);
+}
+
+void row_levels::add_linear_texels(int level) {
+  const rgba8* row = this->row(level, -apron_) - apron_;
+  const int32_t rows = rows_[level] + 2 * apron_;
+  for (int32_t y = 0; y < rows; ++y, row += stride(level))
+    for (int32_t x = 0; x < stride(level); ++x) {
+      const rgba8 upper = row[x], lower = y + 1 < rows ? row[x + stride(level)] : upper;  // below the last row nothing is read
+      const auto both = [](int32_t of_upper, int32_t of_lower) { return half(of_upper - linear_texels::offset, 0) | half(of_lower - linear_texels::offset, 16); };
+      const auto decoded = [&](uint8_t rgba8::*c) { return both(int32_t(srgb_decoded(upper.*c)), int32_t(srgb_decoded(lower.*c))); };
+      linear_texels_.push_back({decoded(&rgba8::r), decoded(&rgba8::g), decoded(&rgba8::b), both(upper.a, lower.a)});
+    }
 }
 
 void row_levels::add_axis(wrap mode, int32_t side, int level, int shift) {

@@ -10,12 +10,12 @@ constexpr filter blending[] = {filter::bilinear, filter::mip_bilinear, filter::t
 
 ready_map srgb_map(const synthetic_map& map, wrap w) { return ready_map(map, w, colour_space::srgb); }
 
-// Codes from `first` to `last`, alpha from 0 to 255.
-const synthetic_map& noise_map(int32_t width, int32_t height, uint32_t first, uint32_t last) {
+// Codes from `first` to `last`, alpha from 0 to 255, or 255.
+const synthetic_map& noise_map(int32_t width, int32_t height, uint32_t first, uint32_t last, bool opaque = false) {
   static random_source random(8);
   return make_map(width, height, [&](int32_t, int32_t) {
     const auto code = [&] { return uint8_t(random.between(first, last)); };
-    return rgba8{code(), code(), code(), uint8_t(random.next())};
+    return rgba8{code(), code(), code(), opaque ? uint8_t(255) : uint8_t(random.next())};
   });
 }
 
@@ -37,6 +37,19 @@ SPANTEX_CASE(numbers_of_every_size) {
   const ready_map map = srgb_map(random_map(64, 64), wrap::repeat);
   const rectangle all{0, 0, 1024, 1024};
   draw_all(upright_plane(0.3, 0.7, 1 / 127.0, 1 / 129.0, all), map, filter::bilinear, all, 1024, 1024);
+}
+
+// Their alpha has no number: whole spans' are finished without, those at the sides of an area with it.
+SPANTEX_CASE(opaque_maps) {
+  const rectangle all{0, 0, 1024, 1024}, ragged{3, 5, 637, 475};
+  for (const auto& [first, last] : {std::pair{0u, 255u}, {5u, 10u}}) {
+    const ready_map map = srgb_map(noise_map(256, 256, first, last, true), wrap::repeat);
+    draw_all(upright_plane(0.3, 0.7, 1 / 31.0, 1 / 33.0, all), map, filter::bilinear, all, 1024, 1024);
+    for (const filter kind : blending) {
+      for (int k = 0; k < 3; ++k) draw_all(sample_plane(k), map, kind, ragged, 640, 480);
+      draw_triangles(map, kind, 20);
+    }
+  }
 }
 
 SPANTEX_CASE(black_and_white) {
@@ -86,6 +99,7 @@ int main() {
       cmocka_unit_test(ordinary_planes_are_drawn_by_the_kernel_alone),
       cmocka_unit_test(dark_maps),
       cmocka_unit_test(numbers_of_every_size),
+      cmocka_unit_test(opaque_maps),
       cmocka_unit_test(black_and_white),
       cmocka_unit_test(random_planes_and_maps_of_any_size),
       cmocka_unit_test(rows_of_any_number_of_samples),

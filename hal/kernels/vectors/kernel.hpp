@@ -3,13 +3,14 @@
 #pragma once
 
 template <filter Kind, bool MasksOnly>
-SPANTEX_INLINE bool draw_span(const row_work& work, int32_t sx, span_mask mask, const span_coefficients& c) {
+SPANTEX_INLINE bool draw_span(const row_in_hand& work, int32_t sx, span_mask mask, const span_coefficients& c) {
   span_positions p;
   p.far = false;
   p.base_u = c.base_u * (1 << q.coordinate_bits);
   p.base_v = c.base_v * (1 << q.coordinate_bits);
   constexpr bool by_tables = SPANTEX_TABLES && MasksOnly && Kind != filter::nearest && Kind != filter::aniso;
-  if constexpr (Kind != filter::nearest && !by_tables) find_positions<uses_levels(Kind) && Kind != filter::aniso>(c, p);
+  constexpr bool finds_them_itself = Kind == filter::nearest || Kind == filter::bilinear || by_tables;
+  if constexpr (!finds_them_itself) find_positions<uses_levels(Kind) && Kind != filter::aniso>(c, p);
   if constexpr (!MasksOnly) {
     const row_levels& levels = work.texels->levels_in_rows();
     p.origin_u = p.base_u;
@@ -23,7 +24,7 @@ SPANTEX_INLINE bool draw_span(const row_work& work, int32_t sx, span_mask mask, 
 #if SPANTEX_TABLES
   else if constexpr (by_tables) draw_by_tables<Kind>(work, sx, mask, p, c);
 #endif
-  else if constexpr (Kind == filter::bilinear) draw_bilinear<MasksOnly>(work, sx, mask, p);
+  else if constexpr (Kind == filter::bilinear) draw_bilinear<MasksOnly>(work, sx, mask, p, c);
   else if constexpr (Kind == filter::aniso) return draw_aniso<MasksOnly>(work, sx, mask, p, c);
   else return draw_by_level<MasksOnly, Kind == filter::trilinear>(work, sx, mask, p, c);
   return true;
@@ -37,7 +38,13 @@ SPANTEX_INLINE bool any_of(const span_mask* masks, int count) {
 
 // Plans are long chains of dependent operations: several are made one after another, so that they overlap.
 template <filter Kind, bool MasksOnly>
-void draw_row(const row_work& work) {
+void draw_row(const row_work& row) {
+#if SPANTEX_LINEAR
+  span_before before;
+  const row_in_hand work{row, before};
+#else
+  const row_work& work = row;
+#endif
   span_coefficients c[batch];
   bool usable[batch];
   planner<Kind> plans(work);
@@ -57,6 +64,9 @@ void draw_row(const row_work& work) {
     for (int k = 0; k < count; ++k)
       if (work.masks[first + k] != 0 && !(usable[k] && draw_span<Kind, MasksOnly>(work, work.sx + first + k, work.masks[first + k], c[k]))) work.left[first + k] = true;
   }
+#if SPANTEX_LINEAR
+  work.finish();
+#endif
 }
 
 template <filter Kind>

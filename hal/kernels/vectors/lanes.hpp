@@ -69,7 +69,8 @@ SPANTEX_INLINE v_64 up_by(v_64 x, int n) {
   return x << n;
 }
 
-// What texels become first: pixels at once, with nothing left to finish. linear_light.hpp has its own.
+// How many steps apart places of neighbouring texels are, and what texels become first: pixels at once, with nothing left to finish. linear_light.hpp has its own.
+constexpr int place_scale = 1;
 using unfinished = v;
 constexpr bool finishes_later = false;
 SPANTEX_INLINE v finished(v x) { return x; }

@@ -4,39 +4,28 @@
 #pragma once
 
 constexpr bool places_first = true;
+constexpr int place_scale = 2;  // places are counted in eight bytes, which is as far as addresses are scaled
 
-SPANTEX_INLINE const linear_texel* texels_of(const row_levels& map) { return map.linear_texels(); }
+SPANTEX_INLINE const linear_texels* texels_of(const row_levels& map) { return map.in_linear_light(); }
 
 constexpr bool little = __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__;
 
-// Pixel k of every four in register k, so that its channels lie in four lanes; texels' likewise, two in eight words.
+// Pixel k of every four in register k, so that its channels lie in four lanes, and texels' too.
 constexpr int pixels_apart = 4;
 
 #if SPANTEX_AVX512
 template <int K>
 SPANTEX_INLINE v lane_of_each(v x) { return v(_mm512_shuffle_epi32(raw(x), _MM_PERM_ENUM(0x55 * K))); }
-SPANTEX_INLINE v first_words(v a, v b) { return v(_mm512_unpacklo_epi16(raw(a), raw(b))); }
-SPANTEX_INLINE v last_words(v a, v b) { return v(_mm512_unpackhi_epi16(raw(a), raw(b))); }
 #else
 #if SPANTEX_AVX2
 #define SPANTEX_EACH(a, b, c, d) a, b, c, d, a + 4, b + 4, c + 4, d + 4
-#define SPANTEX_WORDS(n) n, n + 16, n + 1, n + 17, n + 2, n + 18, n + 3, n + 19, n + 8, n + 24, n + 9, n + 25, n + 10, n + 26, n + 11, n + 27
 #else
 #define SPANTEX_EACH(a, b, c, d) a, b, c, d
-#define SPANTEX_WORDS(n) n, n + 8, n + 1, n + 9, n + 2, n + 10, n + 3, n + 11
 #endif
 
 // Lane K of every four, four times.
 template <int K>
 SPANTEX_INLINE v lane_of_each(v x) { return __builtin_shufflevector(x, x, SPANTEX_EACH(K, K, K, K)); }
-// The first or the last four words of every eight: of a in lower halves of lanes, of b in upper ones.
-SPANTEX_INLINE v alternating(auto&& words, v a, v b) { return little ? words(v_words(a), v_words(b)) : words(v_words(b), v_words(a)); }
-SPANTEX_INLINE v first_words(v a, v b) {
-  return alternating([](v_words x, v_words y) SPANTEX_INLINED { return v(__builtin_shufflevector(x, y, SPANTEX_WORDS(0))); }, a, b);
-}
-SPANTEX_INLINE v last_words(v a, v b) {
-  return alternating([](v_words x, v_words y) SPANTEX_INLINED { return v(__builtin_shufflevector(x, y, SPANTEX_WORDS(4))); }, a, b);
-}
 #endif
 
 // Calls f.operator()<k>() for every register of pixels.
@@ -47,41 +36,68 @@ SPANTEX_INLINE void each_register(auto&& f) {
   f.template operator()<3>();
 }
 
-// A texel and the next of every pixel in a register.
-SPANTEX_INLINE v pairs_at(const linear_texel* from, const uint32_t* at) {
+// Calls take.operator()<k>(left, right) for every register of pixels: their left texels, and their right ones.
+SPANTEX_INLINE void each_column(const linear_texels* texels, const uint32_t* at, auto&& take) {
 #if SPANTEX_AVX2 || SPANTEX_AVX512
-  const auto pair = [&](int k) SPANTEX_INLINED { return _mm_loadu_si128(reinterpret_cast<const __m128i*>(from + at[k * pixels_apart])); };
-  const auto two = [&](int k) SPANTEX_INLINED { return _mm256_inserti128_si256(_mm256_castsi128_si256(pair(k)), pair(k + 1), 1); };
+  const int64_t* const from = reinterpret_cast<const int64_t*>(texels);
+  constexpr int quarters = width / pixels_apart;
+  const auto two_registers = [&]<int K>() SPANTEX_INLINED {
+    uint64_t places[quarters];  // of pixels in both, which one load reads
+#pragma GCC unroll 4
+    for (int n = 0; n < quarters; ++n) __builtin_memcpy(&places[n], at + K + n * pixels_apart, sizeof places[n]);
+    const auto one = [&]<int Next>() SPANTEX_INLINED {
+      const auto of = [&](int n) SPANTEX_INLINED { return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(from + (Next == 0 ? uint32_t(places[n]) : places[n] >> 32))); };
 #if SPANTEX_AVX512
-  return v(_mm512_inserti64x4(_mm512_castsi256_si512(two(0)), two(2), 1));
+      const auto two = [&](int n) SPANTEX_INLINED { return _mm512_inserti64x4(_mm512_castsi256_si512(of(n)), of(n + 1), 1); };
+      const raw first = two(0), second = two(2);
+      take.template operator()<K + Next>(v(_mm512_shuffle_i32x4(first, second, 0x88)), v(_mm512_shuffle_i32x4(first, second, 0xDD)));
 #else
-  return v(two(0));
+      const raw first = of(0), second = of(1);
+      take.template operator()<K + Next>(v(_mm256_permute2x128_si256(first, second, 0x20)), v(_mm256_permute2x128_si256(first, second, 0x31)));
 #endif
+    };
+    one.template operator()<0>();
+    one.template operator()<1>();
+  };
+  two_registers.template operator()<0>();
+  two_registers.template operator()<2>();
 #else
-  return get(reinterpret_cast<const int32_t*>(from + at[0]));
+  each_register([&]<int K>() SPANTEX_INLINED {
+    const int32_t* const two = reinterpret_cast<const int32_t*>(texels) + size_t(at[K]) * 2;
+    take.template operator()<K>(get(two), get(two + width));
+  });
 #endif
 }
 
 struct blends { v pixel[4]; };
-constexpr int blend_fraction = 2 * q.subtexel_bits;
+constexpr int blend_fraction = 2 * q.subtexel_bits, kept_drop = blend_fraction - q.blend_bits, between_bits = q.blend_bits + q.level_bits;
+static_assert(q.blend_bits <= max_linear_blend_bits - q.level_bits && linear_bits + between_bits < 32);
 
-// fraction: u in the lower half of each lane, v in the upper, of 128. Texels are less 2^15, so that they are signed words; weights add up to 2^14, and 2^15 2^14 is added back.
-SPANTEX_INLINE blends blend(const linear_texel* top, const uint32_t* top_at, const linear_texel* bottom, const uint32_t* bottom_at, v fraction) {
+// What sums of a level begin with: texels are less 2^15, so that they are signed words, and weights add up to 2^14; half of what kept_of_level() drops; and what pixels_between() is to add for rounding, of which a
+// level's colour then has so many more.
+constexpr int32_t kept_more = (0x7FFF >> (16 - q.blend_bits)), more_of_blends = (1 << (kept_drop - 1)) + (kept_more << kept_drop), start_of_blends = (linear_texels::offset << blend_fraction) + more_of_blends;
+
+// fraction: u in the lower half of each lane, v in the upper, of 128.
+SPANTEX_INLINE blends blend(const linear_texels* from, const uint32_t* at, const linear_texels*, const uint32_t*, v fraction) {
+#if SPANTEX_AVX512
+  const raw u_of_both = raw(of_each_quarter(_mm_setr_epi8(0, 1, 0, 1, 4, 5, 4, 5, 8, 9, 8, 9, 12, 13, 12, 13))), v_of_both = raw(of_each_quarter(_mm_setr_epi8(2, 3, 2, 3, 6, 7, 6, 7, 10, 11, 10, 11, 14, 15, 14, 15)));
+  const raw lower = _mm512_shuffle_epi8(raw(fraction), v_of_both);
+  const v_unsigned u = v_unsigned(_mm512_shuffle_epi8(raw(fraction), u_of_both)), rows = v_unsigned(_mm512_mask_sub_epi16(lower, 0x55555555, _mm512_set1_epi16(128), lower));
+#else
   const v_unsigned u = v_unsigned((fraction & 0xFFFF) | (fraction << 16)), rows = v_unsigned((fraction & int32_t(0xFFFF0000)) | (128 - (fraction >> 16)));
+#endif
   const v right = v(rows * u), left = v((rows << q.subtexel_bits) - v_unsigned(right));
   blends b;
-  each_register([&]<int K>() SPANTEX_INLINED {
-    const v above = pairs_at(top, top_at + K), below = pairs_at(bottom, bottom_at + K);
-    b.pixel[K] = add_products(add_products(set(linear_texel::offset << blend_fraction), first_words(above, below), lane_of_each<K>(left)), last_words(above, below), lane_of_each<K>(right));
+  each_column(from, at, [&]<int K>(v of_left, v of_right) SPANTEX_INLINED {
+    b.pixel[K] = add_products(add_products(set(start_of_blends), of_left, lane_of_each<K>(left)), of_right, lane_of_each<K>(right));
   });
   return b;
 }
 
 // Halves to even.
 SPANTEX_INLINE v rounded_to_even(v x, int bits) { return (x + ((1 << (bits - 1)) - 1) + ((x >> bits) & 1)) >> bits; }
-// The same in a lane's upper half. Whether the number is odd is asked after 2^15 - 1 is added: that carries only above a half, where one more does not carry again.
-SPANTEX_INLINE v upper_half_to_even(v x, int bits) {
-  const v_32 y = (v_32(x) << (16 - bits)) + 0x7FFF;
+// The same in a lane's upper half, of what 2^(bits - 1) - 1 was added to. Whether the number is odd is asked then: that carries only above a half, where one more does not carry again.
+SPANTEX_INLINE v upper_half_to_even(v_32 y) {
 #if SPANTEX_AVX512
   const v one = number<0x10000>();
   return add_products(v(y), v(y) & one, one);
@@ -89,50 +105,14 @@ SPANTEX_INLINE v upper_half_to_even(v x, int bits) {
   return v(y + (y >> 16 & 1));
 #endif
 }
+SPANTEX_INLINE v upper_half_to_even(v x, int bits, uint32_t more = 0) { return upper_half_to_even((v_32(x) << (16 - bits)) + (0x7FFF - (more << (16 - bits)))); }
 
-SPANTEX_INLINE v kept_of_level(v x) { return (x + (1 << (blend_fraction - q.blend_bits - 1))) >> (blend_fraction - q.blend_bits); }
-constexpr int between_bits = q.blend_bits + q.level_bits;
-static_assert(q.blend_bits <= max_linear_blend_bits - q.level_bits && linear_bits + between_bits < 32);
+SPANTEX_INLINE v kept_and_more(v x) { return x >> kept_drop; }
+SPANTEX_INLINE v kept_of_level(v x) { return kept_and_more(x) - kept_more; }
 template <int K>
 SPANTEX_INLINE v between_levels(const blends& fine, const blends& coarse, v fraction) {
   const v near = kept_of_level(fine.pixel[K]);
   return (near << q.level_bits) + (kept_of_level(coarse.pixel[K]) - near) * lane_of_each<K>(fraction);
-}
-
-// Codes of u0.16 numbers, two words a lane; of the first in the lower byte of each word, of the second in the upper.
-#if SPANTEX_AVX512
-#include "../avx512/srgb_codes.hpp"
-#else
-SPANTEX_INLINE v codes_of(v numbers) {
-  uint16_t at[2 * width];
-  put(at, v(v_unsigned(numbers) >> 4));
-  asm("" : "+m"(at));  // loads of words take less than extracting them
-  const auto step = [&](int k) SPANTEX_INLINED { return srgb_code_of.step[at[k]]; };
-#if SPANTEX_AVX2
-  const v_unsigned steps = {step(0), step(1), step(2), step(3), step(4), step(5), 0, 0, step(8), step(9), step(10), step(11), step(12), step(13), 0, 0};
-#else
-  const v_unsigned steps = {step(0), step(1), step(2), step(3), step(4), step(5), 0, 0};  // alpha has no code
-#endif
-  return v((steps + (v_unsigned(numbers) & 15)) >> 4);
-}
-SPANTEX_INLINE v codes_of(v first, v second) { return codes_of(first) | (codes_of(second) << 8); }
-#endif
-
-// Lane c has channel c of pixels 0, 2, 1 and 3, from its lowest byte on: to pixels.
-SPANTEX_INLINE v pixels_of_channels(v channels) {
-#if SPANTEX_AVX512
-  return v(_mm512_shuffle_epi8(raw(channels), raw(of_each_quarter(_mm_setr_epi8(0, 4, 8, 12, 2, 6, 10, 14, 1, 5, 9, 13, 3, 7, 11, 15)))));
-#else
-  constexpr int p0 = little ? 0 : 3, p1 = little ? 2 : 1, p2 = little ? 1 : 2, p3 = little ? 3 : 0;
-  typedef uint8_t bytes __attribute__((vector_size(4 * width)));
-#define SPANTEX_PIXEL(n) n, n + 4, n + 8, n + 12
-#define SPANTEX_PIXELS(n) SPANTEX_PIXEL(n + p0), SPANTEX_PIXEL(n + p1), SPANTEX_PIXEL(n + p2), SPANTEX_PIXEL(n + p3)
-#if SPANTEX_AVX2
-  return v(__builtin_shufflevector(bytes(channels), bytes(channels), SPANTEX_PIXELS(0), SPANTEX_PIXELS(16)));
-#else
-  return v(__builtin_shufflevector(bytes(channels), bytes(channels), SPANTEX_PIXELS(0)));
-#endif
-#endif
 }
 
 // Pixels before they are codes: u0.16 numbers, of alpha whole ones, two a lane: of pixels 0 and 1 of every four, and of 2 and 3. A span's are found before the first is coded: both are long
@@ -151,24 +131,70 @@ SPANTEX_INLINE unfinished chosen(v where, const unfinished& a, const unfinished&
   const v first = halves(lane_of_each<0>(where), lane_of_each<1>(where)), second = halves(lane_of_each<2>(where), lane_of_each<3>(where));
   return {(a.first & first) | (b.first & ~first), (a.second & second) | (b.second & ~second)};
 }
+#if SPANTEX_AVX512
+#include "../avx512/srgb_codes.hpp"
+#else
+// Codes of u0.16 numbers, two words a lane; of the first in the lower byte of each word, of the second in the upper.
+SPANTEX_INLINE v codes_of(v numbers) {
+  uint16_t at[2 * width];
+  put(at, v(v_unsigned(numbers) >> 4));
+  asm("" : "+m"(at));  // loads of words take less than extracting them
+  const auto step = [&](int k) SPANTEX_INLINED { return srgb_code_of.step[at[k]]; };
+#if SPANTEX_AVX2
+  const v_unsigned steps = {step(0), step(1), step(2), step(3), step(4), step(5), 0, 0, step(8), step(9), step(10), step(11), step(12), step(13), 0, 0};
+#else
+  const v_unsigned steps = {step(0), step(1), step(2), step(3), step(4), step(5), 0, 0};  // alpha has no code
+#endif
+  return v((steps + (v_unsigned(numbers) & 15)) >> 4);
+}
+SPANTEX_INLINE v codes_of(v first, v second) { return codes_of(first) | (codes_of(second) << 8); }
+
+// Lane c has channel c of pixels 0, 2, 1 and 3, from its lowest byte on: to pixels.
+SPANTEX_INLINE v pixels_of_channels(v channels) {
+  constexpr int p0 = little ? 0 : 3, p1 = little ? 2 : 1, p2 = little ? 1 : 2, p3 = little ? 3 : 0;
+  typedef uint8_t bytes __attribute__((vector_size(4 * width)));
+#define SPANTEX_PIXEL(n) n, n + 4, n + 8, n + 12
+#define SPANTEX_PIXELS(n) SPANTEX_PIXEL(n + p0), SPANTEX_PIXEL(n + p1), SPANTEX_PIXEL(n + p2), SPANTEX_PIXEL(n + p3)
+#if SPANTEX_AVX2
+  return v(__builtin_shufflevector(bytes(channels), bytes(channels), SPANTEX_PIXELS(0), SPANTEX_PIXELS(16)));
+#else
+  return v(__builtin_shufflevector(bytes(channels), bytes(channels), SPANTEX_PIXELS(0)));
+#endif
+}
+
 SPANTEX_INLINE v finished(const unfinished& of) {
   v alpha{};
   for (int k = 3; k < width; k += 4) alpha[k] = -1;
   return pixels_of_channels((codes_of(of.first, of.second) & ~alpha) | ((of.first | (of.second << 8)) & alpha));
 }
+#endif
 
 SPANTEX_INLINE unfinished pixels_of(const blends& b) {
-  return two_a_lane([&]<int K>() SPANTEX_INLINED { return upper_half_to_even(b.pixel[K], blend_fraction); });
+  return two_a_lane([&]<int K>() SPANTEX_INLINED { return upper_half_to_even(b.pixel[K], blend_fraction, more_of_blends); });
+}
+
+// x and ones behind it: what kept_more and these are together is 2^15 - 1.
+SPANTEX_INLINE v_32 with_rounding(v x) {
+  constexpr int ones = 16 - q.blend_bits;
+#if SPANTEX_AVX512
+  return v_32(_mm512_shldi_epi32(raw(x), _mm512_set1_epi32(-1), ones));
+#else
+  return (v_32(x) << ones) + ((1 << ones) - 1);
+#endif
 }
 
 // Two levels; fraction of 256 a lane.
 SPANTEX_INLINE unfinished pixels_between(const blends& fine, const blends& coarse, v fraction) {
-  return two_a_lane([&]<int K>() SPANTEX_INLINED { return upper_half_to_even(between_levels<K>(fine, coarse, fraction), between_bits); });
+  const v weights = fraction << (16 - between_bits);
+  return two_a_lane([&]<int K>() SPANTEX_INLINED {
+    const v near = kept_and_more(fine.pixel[K]);
+    return upper_half_to_even(with_rounding(near) + v_32((kept_and_more(coarse.pixel[K]) - near) * lane_of_each<K>(weights)));
+  });
 }
 
 // The same where the coarse level has no weight.
 SPANTEX_INLINE unfinished pixels_of_level(const blends& b) {
-  return two_a_lane([&]<int K>() SPANTEX_INLINED { return upper_half_to_even(kept_of_level(b.pixel[K]), q.blend_bits); });
+  return two_a_lane([&]<int K>() SPANTEX_INLINED { return upper_half_to_even(with_rounding(kept_and_more(b.pixel[K]))); });
 }
 
 // --- many samples --------------------------------------------------------------------------------------

@@ -121,10 +121,10 @@ constexpr int rest_bits = 16 - q.coordinate_bits;
 // Where `width` lanes have their four texels on a level: the upper left ones' places in the map; weights of 128, u in the lower half, v in the upper.
 struct alignas(sizeof(v)) lanes_places { int32_t top[width], fraction[width]; };
 
-// Of positions on the level, with subtexel_bits of fraction.
+// Of positions on the level, with subtexel_bits of fraction; base: whole texels more, both axes in a lane.
 template <bool MasksOnly, class Shift>
-SPANTEX_INLINE void put_places(const on_level<Shift>& l, v u, v w, lanes_places& out) {
-  put(out.top, places_of<MasksOnly>(halves(u >> q.subtexel_bits, w << (16 - q.subtexel_bits)), l));
+SPANTEX_INLINE void put_places(const on_level<Shift>& l, v u, v w, lanes_places& out, v base = v{}) {
+  put(out.top, places_of<MasksOnly>(add16(base, halves(u >> q.subtexel_bits, w << (16 - q.subtexel_bits))), l) * place_scale);
   put(out.fraction, halves(u, w << 16) & number<0x007F007F>());
 }
 
@@ -246,21 +246,51 @@ SPANTEX_INLINE bool has_group(span_mask mask, int n) {
   return (mask >> (n % of_part * rows_at_once * span_side + n / of_part * lanes_across) & ((uint64_t(1) << width) - 1)) != 0;
 }
 
-SPANTEX_INLINE void draw_groups(const row_work& work, int32_t sx, span_mask mask, auto&& place, auto&& at) {
+#if SPANTEX_LINEAR
+// A span whose pixels are to be finished when the next one's places are found: both are long chains of dependent operations, that nothing else would fill.
+struct span_before {
+  unfinished of[groups];
+  int32_t sx;
+  span_mask mask = 0;  // 0: there is none
+};
+
+// A row of spans, of which the one before is kept.
+struct row_in_hand : row_work {
+  span_before& before;
+  SPANTEX_INLINE void finish() const {
+    const span_mask mask = before.mask;
+    if (mask == 0) return;
+    before.mask = 0;
+#if SPANTEX_AVX512
+    if (mask == ~span_mask(0) && texels->opaque()) [[likely]] {
+      v all[groups];
+      finish_opaque(before.of, all);
+      return write_span(*this, before.sx, mask, [&](int k) SPANTEX_INLINED { return all[k / width]; });
+    }
+#endif
+    write_span(*this, before.sx, mask, [&](int k) SPANTEX_INLINED { return finished(before.of[k / width]); });
+  }
+};
+#else
+using row_in_hand = row_work;
+#endif
+
+SPANTEX_INLINE void draw_groups(const row_in_hand& work, int32_t sx, span_mask mask, auto&& place, auto&& at) {
   if (places_first)
 #pragma GCC unroll 2
     for (int n = 0; n < groups; ++n) place(n);
-  if constexpr (finishes_later) {
-    unfinished of[groups] = {};
-    for (int n = 0; n < groups; ++n)
-      if (has_group(mask, n)) [[likely]] of[n] = at(n);
-    write_span(work, sx, mask, [&](int k) SPANTEX_INLINED { return finished(of[k / width]); });
-  } else {
-    write_span(work, sx, mask, [&](int k) SPANTEX_INLINED {
-      if (!places_first) place(k / width);
-      return at(k / width);
-    });
-  }
+#if SPANTEX_LINEAR
+  work.finish();
+  for (int n = 0; n < groups; ++n)
+    if (has_group(mask, n)) [[likely]] work.before.of[n] = at(n);
+  work.before.sx = sx;
+  work.before.mask = mask;
+#else
+  write_span(work, sx, mask, [&](int k) SPANTEX_INLINED {
+    if (!places_first) place(k / width);
+    return at(k / width);
+  });
+#endif
 }
 
 // Single texels of `from`, by the places of all pixels, as span_positions has them. Whole spans are moved texel by texel, and not put together in vectors, where that is faster.
@@ -341,13 +371,40 @@ SPANTEX_INLINE void draw_nearest(const row_work& work, int32_t sx, span_mask mas
   write_texels(work, sx, mask, map.texels(), places);
 }
 
+// Bilinear's places on level 0 straight from a span's series: rounding to coordinate_bits and snapping are one, and the base is whole texels.
+template <int Terms, bool MasksOnly>
+SPANTEX_INLINE void find_places(const span_coefficients& c, const span_positions& p, const on_level<int32_t>& l, lanes_places* out) {
+  const int cut = c.exponent - q.subtexel_bits, rounded = c.exponent - q.coordinate_bits;
+  const int32_t start = (1 << (rounded - 1)) + add_of(0) * (1 << rounded);
+  const v base = halves(set(p.base_u >> q.coordinate_bits), set(p.base_v << (16 - q.coordinate_bits)));
+  for (int part = 0; part < parts; ++part) {
+    series_rows<Terms> rows(c, part);
+#pragma GCC unroll 4
+    for (int y = 0; y < span_side; y += rows_at_once)
+      rows.next([&](v u, v w) SPANTEX_INLINED { put_places<MasksOnly>(l, down_by(u + start, cut), down_by(w + start, cut), out[place_of(y, part) / width], base); });
+  }
+}
+
 template <bool MasksOnly>
-SPANTEX_INLINE void draw_bilinear(const row_work& work, int32_t sx, span_mask mask, const span_positions& p) {
+SPANTEX_INLINE void draw_bilinear(const row_in_hand& work, int32_t sx, span_mask mask, span_positions& p, const span_coefficients& c) {
   const row_levels& map = work.texels->levels_in_rows();
   const on_level<int32_t> l = level_at_once<MasksOnly>(map, 0, p);
   lanes_places places[placed_groups];
-  draw_groups(work, sx, mask, [&](int n) SPANTEX_INLINED { place_lanes<MasksOnly>(l, get(p.u + width * n), get(p.v + width * n), p, places[n % placed_groups]); },
-              [&](int n) SPANTEX_INLINED { return pixels_of(blended(map, places[n % placed_groups], l.down)); });
+  const auto pixels_at = [&](int n) SPANTEX_INLINED { return pixels_of(blended(map, places[n % placed_groups], l.down)); };
+  constexpr int most_bits = 30;  // an offset, below 2^30, and half a texel are below 2^31
+  if constexpr (places_first)
+    if (const int terms = terms_of(c); terms != levels_alone && c.exponent <= most_bits) {
+      switch (terms) {
+        case 0: find_places<0, MasksOnly>(c, p, l, places); break;
+        case 1: find_places<1, MasksOnly>(c, p, l, places); break;
+        case 2: find_places<2, MasksOnly>(c, p, l, places); break;
+        case 3: find_places<3, MasksOnly>(c, p, l, places); break;
+        default: find_places<4, MasksOnly>(c, p, l, places); break;
+      }
+      return draw_groups(work, sx, mask, [](int) {}, pixels_at);
+    }
+  find_positions<false>(c, p);
+  draw_groups(work, sx, mask, [&](int n) SPANTEX_INLINED { place_lanes<MasksOnly>(l, get(p.u + width * n), get(p.v + width * n), p, places[n % placed_groups]); }, pixels_at);
 }
 
 // Whether the map holds every texel that lies up to `reach` texels of level 0 from the base: of any level, as one before the first and one after the last are in its apron.
@@ -459,7 +516,7 @@ SPANTEX_INLINE alike_levels compared(const span_positions& p) {
 // A span whose pixels are all on one whole level, or on it and the next. Machines that spare levels (words) ask each group of pixels whether the next one has weight: a level's
 // colours cost them more than to ask.
 template <bool MasksOnly, rounded How>
-SPANTEX_INLINE void draw_on_level(const row_work& work, int32_t sx, span_mask mask, const span_positions& p, int32_t level) {
+SPANTEX_INLINE void draw_on_level(const row_in_hand& work, int32_t sx, span_mask mask, const span_positions& p, int32_t level) {
   constexpr bool two = is_between(How);
   const row_levels& map = work.texels->levels_in_rows();
   on_level<int32_t> near, far;
@@ -484,7 +541,7 @@ SPANTEX_INLINE void draw_on_level(const row_work& work, int32_t sx, span_mask ma
 
 // Pixels by their levels of detail, a sample each.
 template <bool MasksOnly, rounded How>
-SPANTEX_INLINE void draw_on_levels(const row_work& work, int32_t sx, span_mask mask, const span_positions& p, pixels_on_levels<MasksOnly, How>& pixels) {
+SPANTEX_INLINE void draw_on_levels(const row_in_hand& work, int32_t sx, span_mask mask, const span_positions& p, pixels_on_levels<MasksOnly, How>& pixels) {
   if (const alike_levels of = compared<is_between(How)>(p); of.alike) {
     const int32_t level = whole_level<is_between(How)>(int32_t(p.level[0]));
     if constexpr (!is_between(How)) draw_on_level<MasksOnly, How>(work, sx, mask, p, level);
@@ -496,7 +553,7 @@ SPANTEX_INLINE void draw_on_levels(const row_work& work, int32_t sx, span_mask m
 }
 
 template <bool MasksOnly, bool TwoLevels>
-SPANTEX_INLINE bool draw_by_level(const row_work& work, int32_t sx, span_mask mask, span_positions& p, const span_coefficients& c) {
+SPANTEX_INLINE bool draw_by_level(const row_in_hand& work, int32_t sx, span_mask mask, span_positions& p, const span_coefficients& c) {
   pixels_on_levels<MasksOnly, TwoLevels ? rounded::between_levels : rounded::at_once> pixels(work, p);
   if constexpr (!MasksOnly) {
     const row_levels& map = work.texels->levels_in_rows();

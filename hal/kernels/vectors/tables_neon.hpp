@@ -324,10 +324,7 @@ SPANTEX_INLINE void quads_on_levels(const row_work& work, int32_t sx, span_mask 
 template <filter Kind>
 SPANTEX_INLINE void draw_by_tables(const row_work& work, int32_t sx, span_mask mask, span_positions& p, const span_coefficients& c) {
   if constexpr (Kind == filter::bilinear)
-    if (too_wide(c)) {
-      find_positions<false>(c, p);
-      return draw_bilinear<true>(work, sx, mask, p);
-    }
+    if (too_wide(c)) return draw_bilinear<true>(work, sx, mask, p, c);
   find_positions<uses_levels(Kind), false>(c, p);
   quads_on_levels<Kind>(work, sx, mask, p, c);
 }
