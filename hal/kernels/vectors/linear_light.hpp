@@ -136,9 +136,7 @@ SPANTEX_INLINE unfinished chosen(v where, const unfinished& a, const unfinished&
 #else
 // Codes of u0.16 numbers, two words a lane; of the first in the lower byte of each word, of the second in the upper.
 SPANTEX_INLINE v codes_of(v numbers) {
-  uint16_t at[2 * width];
-  put(at, v(v_unsigned(numbers) >> 4));
-  asm("" : "+m"(at));  // loads of words take less than extracting them
+  const v_unsigned at = v_unsigned(numbers) >> 4;
   const auto step = [&](int k) SPANTEX_INLINED { return srgb_code_of.step[at[k]]; };
 #if SPANTEX_AVX2
   const v_unsigned steps = {step(0), step(1), step(2), step(3), step(4), step(5), 0, 0, step(8), step(9), step(10), step(11), step(12), step(13), 0, 0};
