@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What lies behind polygons that were set up before, and so need not be set up: of an opaque picture no pixel changes (spantex/visibility.hpp, is_hidden), but what shows between pixels' centres, which a reference samples too. Span by span, a floor: the least depth of a polygon
-// that covers it, or of several that cover it together.
+// that covers it, or of several that cover it together. Triangles of less than a quarter of a span cover nothing here.
 #pragma once
 #include <stdint.h>
 
