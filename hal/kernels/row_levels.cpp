@@ -39,19 +39,19 @@ row_levels::row_levels(const texture_view& view, int32_t apron) : apron_(apron) 
     add_texels(view, k);
   }
   if (view.colours() == colour_space::coded) return;
-  linear_texels_.reserve(texels_.size());
-  for (int k = 0; k < count_; ++k) add_linear_texels(k);
+  linear_columns_.reserve(texels_.size());
+  for (int k = 0; k < count_; ++k) add_linear_columns(k);
 }
 
-void row_levels::add_linear_texels(int level) {
+void row_levels::add_linear_columns(int level) {
   const rgba8* row = this->row(level, -apron_) - apron_;
   const int32_t rows = rows_[level] + 2 * apron_;
   for (int32_t y = 0; y < rows; ++y, row += stride(level))
     for (int32_t x = 0; x < stride(level); ++x) {
-      const rgba8 upper = row[x], lower = y + 1 < rows ? row[x + stride(level)] : upper;  // below the last row nothing is read
-      const auto both = [](int32_t of_upper, int32_t of_lower) { return half(of_upper - linear_texels::offset, 0) | half(of_lower - linear_texels::offset, 16); };
+      const rgba8 upper = row[x], lower = y + 1 < rows ? row[x + stride(level)] : upper;  // of the last row, an apron's, nobody reads it
+      const auto both = [](int32_t of_upper, int32_t of_lower) { return half(of_upper - linear_column::offset, 0) | half(of_lower - linear_column::offset, 16); };
       const auto decoded = [&](uint8_t rgba8::*c) { return both(int32_t(srgb_decoded(upper.*c)), int32_t(srgb_decoded(lower.*c))); };
-      linear_texels_.push_back({decoded(&rgba8::r), decoded(&rgba8::g), decoded(&rgba8::b), both(upper.a, lower.a)});
+      linear_columns_.push_back({decoded(&rgba8::r), decoded(&rgba8::g), decoded(&rgba8::b), both(upper.a, lower.a)});
     }
 }
 

@@ -14,7 +14,7 @@ namespace spantex::kernels {
 inline constexpr int32_t row_apron = 3;  // texels on every side of a level at least
 
 // A texel of an sRGB map, in the lower halves, and the one below it, in the upper ones: r, g, b decoded to u0.16 of linear light, a as it is; all less 2^15. A pixel's four texels are two of these, side by side.
-struct linear_texels {
+struct linear_column {
   static constexpr int32_t offset = 1 << 15;
   int32_t r, g, b, a;
 };
@@ -30,8 +30,8 @@ class row_levels {
   row_levels() = default;
   explicit row_levels(const texture_view& view, int32_t apron = row_apron);
   const rgba8* texels() const { return texels_.data(); }
-  const linear_texels* in_linear_light() const { return linear_texels_.data(); }  // where texels() has the upper one
-  bool linear_light() const { return !linear_texels_.empty(); }                // of an sRGB map
+  const linear_column* linear_columns() const { return linear_columns_.data(); }  // where texels() has the upper one
+  bool linear_light() const { return !linear_columns_.empty(); }                   // of an sRGB map
   int32_t value(field f, int level) const { return fields_[f][level]; }
   const int32_t (&values(field f) const)[most] { return fields_[f]; }
   int32_t stride(int level) const { return fields_[step][level] >> 16; }
@@ -56,10 +56,10 @@ class row_levels {
  private:
   void add_axis(wrap mode, int32_t side, int level, int shift);
   void add_texels(const texture_view& view, int level);
-  void add_linear_texels(int level);
+  void add_linear_columns(int level);
   int32_t fields_[field_count][most] = {};
   std::vector<rgba8> texels_;
-  std::vector<linear_texels> linear_texels_;  // empty but of sRGB maps
+  std::vector<linear_column> linear_columns_;  // empty but of sRGB maps
   int32_t columns_[most] = {}, rows_[most] = {};
   uint32_t ratio_u_[most] = {}, ratio_v_[most] = {};
   int32_t apron_ = 0;

@@ -2,6 +2,9 @@
 // Host kernels in linear light: sRGB maps, the same bytes as the scalar datapath.
 #include <tests/kernel_pictures.hpp>
 
+#include <algorithm>
+#include <vector>
+
 #include <hal/kernels/linear_light.hpp>
 
 namespace {
@@ -30,6 +33,29 @@ SPANTEX_CASE(dark_maps) {
   const ready_map map = srgb_map(noise_map(512, 512, 5, 10), wrap::repeat);
   for (const filter kind : blending)
     for (int k = 0; k < 3; ++k) draw_all(sample_plane(k), map, kind, {0, 0, 640, 480}, 640, 480);
+}
+
+// Every number there is: texels a code apart, one of four less or one more, so that products of weights tell them apart; a 128th of a texel from pixel to pixel.
+SPANTEX_CASE(every_number_is_coded) {
+  constexpr int32_t width = 16, height = 26, weight = 128;
+  const auto code = [](int32_t x, int32_t y, int32_t channel) { return min_of(85 * channel + 7 * (y / 2) + x / 2, 254) + (x % 2 != 0 || y % 2 != 0); };
+  std::vector<bool> found(65536);
+  for (int32_t channel = 0; channel < 3; ++channel)
+    for (int32_t y = 0; y + 1 < height; ++y)
+      for (int32_t x = 0; x + 1 < width; ++x) {
+        const auto light = [&](int32_t right, int32_t down) { return srgb_decoded(uint32_t(code(x + right, y + down, channel))); };
+        for (uint32_t u = 0; u < weight; ++u)
+          for (uint32_t v = 0; v < weight; ++v) {
+            const uint32_t sum = (light(0, 0) * (weight - u) + light(1, 0) * u) * (weight - v) + (light(0, 1) * (weight - u) + light(1, 1) * u) * v, half = weight * weight / 2;
+            found[(sum + half - 1 + (sum / (2 * half) & 1)) / (2 * half)] = true;
+          }
+      }
+  assert_int_equal(std::count(found.begin(), found.end(), true), 65536);
+  const rectangle all{0, 0, width * weight, height * weight};
+  for (const uint8_t alpha : {uint8_t(255), uint8_t(97)}) {
+    const ready_map map = srgb_map(make_map(width, height, [&](int32_t x, int32_t y) { return rgba8{uint8_t(code(x, y, 0)), uint8_t(code(x, y, 1)), uint8_t(code(x, y, 2)), alpha}; }), wrap::clamp);
+    draw_all(upright_plane(0.5 - 0.5 / weight, 0.5 - 0.5 / weight, 1.0 / weight, 1.0 / weight, all), map, filter::bilinear, all, all.x1, all.y1);
+  }
 }
 
 // Every pixel another number: magnified, so that weights take all their values.
@@ -98,6 +124,7 @@ int main() {
       cmocka_unit_test(every_number_has_its_code),
       cmocka_unit_test(ordinary_planes_are_drawn_by_the_kernel_alone),
       cmocka_unit_test(dark_maps),
+      cmocka_unit_test(every_number_is_coded),
       cmocka_unit_test(numbers_of_every_size),
       cmocka_unit_test(opaque_maps),
       cmocka_unit_test(black_and_white),

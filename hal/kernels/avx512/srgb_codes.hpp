@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // AVX-512: codes of linear light, sixty-four at once, by tables of bytes that are permuted. The last number that takes a code is looked up after a guess that is the code or the one before it:
-// of 4 bits of fraction, linear in pieces of 1024 numbers, below 4352 in pieces of 64. Included by ../vectors/linear_light.hpp alone.
+// of 4 bits of fraction, linear in pieces: of 64 numbers below 4352, one of 768, then of 1024. Included by ../vectors/linear_light.hpp alone.
 #pragma once
 
 // The first number that takes a code.
@@ -51,13 +51,13 @@ constexpr last_numbers last_number;
 
 // Two words a lane: of the first in the lower halves of each quarter's bytes, of the second in the upper ones.
 SPANTEX_INLINE v codes_of(v first, v second) {
-  const raw a = raw(first), b = raw(second), nothing = _mm512_setzero_si512();
+  const raw a = raw(first), b = raw(second), low_bytes = _mm512_setzero_si512();
   struct two { raw a, b; };
   const auto down = [&](int by) SPANTEX_INLINED { return _mm512_packus_epi16(_mm512_srli_epi16(a, by), _mm512_srli_epi16(b, by)); };
   const auto words = [](raw low, raw high) SPANTEX_INLINED { return two{_mm512_unpacklo_epi8(low, high), _mm512_unpackhi_epi8(low, high)}; };
   const auto of_128 = [](const uint8_t* from, raw k) SPANTEX_INLINED { return _mm512_permutex2var_epi8(_mm512_load_si512(from), k, _mm512_load_si512(from + 64)); };
   const raw piece = _mm512_min_epu8(down(6), _mm512_add_epi8(down(10), raw(number<0x40404040>())));
-  const two slope = words(nothing, of_128(code_guess.slope, piece)), base = words(of_128(code_guess.base_low, piece), of_128(code_guess.base_high, piece));
+  const two slope = words(low_bytes, of_128(code_guess.slope, piece)), base = words(of_128(code_guess.base_low, piece), of_128(code_guess.base_high, piece));
   const auto guessed = [](raw x, raw by, raw from) SPANTEX_INLINED { return _mm512_srli_epi16(_mm512_add_epi16(from, _mm512_mulhi_epu16(x, by)), 4); };
   const raw guess = _mm512_packus_epi16(guessed(a, slope.a, base.a), guessed(b, slope.b, base.b));
   const __mmask64 upper = _mm512_movepi8_mask(guess);

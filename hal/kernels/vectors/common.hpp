@@ -14,7 +14,6 @@ static_assert(q.offset_bits == 31 && q.reciprocal_bits == 30 && q.subtexel_bits 
 constexpr int batch = 8;  // spans that are planned before they are drawn
 
 // Of colours as coded; linear_light.hpp has its own.
-SPANTEX_INLINE const rgba8* texels_of(const row_levels& map) { return map.texels(); }
 constexpr rounded one_sample = rounded::between_levels;  // of a row of samples
 
 SPANTEX_INLINE int32_t modulo(int32_t base, int32_t period) {

@@ -39,12 +39,7 @@ SPANTEX_INLINE bool any_of(const span_mask* masks, int count) {
 // Plans are long chains of dependent operations: several are made one after another, so that they overlap.
 template <filter Kind, bool MasksOnly>
 void draw_row(const row_work& row) {
-#if SPANTEX_LINEAR
-  span_before before;
-  const row_in_hand work{row, before};
-#else
-  const row_work& work = row;
-#endif
+  const row_in_hand work{row};
   span_coefficients c[batch];
   bool usable[batch];
   planner<Kind> plans(work);
@@ -64,9 +59,7 @@ void draw_row(const row_work& row) {
     for (int k = 0; k < count; ++k)
       if (work.masks[first + k] != 0 && !(usable[k] && draw_span<Kind, MasksOnly>(work, work.sx + first + k, work.masks[first + k], c[k]))) work.left[first + k] = true;
   }
-#if SPANTEX_LINEAR
-  work.finish();
-#endif
+  finish(work);
 }
 
 template <filter Kind>
@@ -85,12 +78,14 @@ void draw_row(const row_work& work) {
   draw_row<Kind, false>(work);
 }
 
+#if !SPANTEX_LINEAR
 // A span of the row that is planned already.
 template <filter Kind>
 [[maybe_unused]] bool draw_planned(const row_work& work, int k, const span_coefficients& c) {
   const bool masks_only = work.texels->levels_in_rows().masks_only();
   return masks_only ? draw_span<Kind, true>(work, work.sx + k, work.masks[k], c) : draw_span<Kind, false>(work, work.sx + k, work.masks[k], c);
 }
+#endif
 
 #if SPANTEX_LINEAR
 constexpr row_kernels rows{nullptr, draw_row<filter::bilinear>, draw_row<filter::mip_bilinear>, draw_row<filter::trilinear>, draw_row<filter::aniso>};

@@ -69,11 +69,9 @@ SPANTEX_INLINE v_64 up_by(v_64 x, int n) {
   return x << n;
 }
 
-// How many steps apart places of neighbouring texels are, and what texels become first: pixels at once, with nothing left to finish. linear_light.hpp has its own.
+// How many steps apart places of neighbouring texels are, and what texels become first: pixels at once. linear_light.hpp has its own.
 constexpr int place_scale = 1;
 using unfinished = v;
-constexpr bool finishes_later = false;
-SPANTEX_INLINE v finished(v x) { return x; }
 SPANTEX_INLINE v chosen(v where, v a, v b) { return where ? a : b; }
 
 SPANTEX_INLINE v least(v a, v b) { return a < b ? a : b; }

@@ -5,10 +5,8 @@
 
 constexpr bool places_first = true;
 constexpr int place_scale = 2;  // places are counted in eight bytes, which is as far as addresses are scaled
-
-SPANTEX_INLINE const linear_texels* texels_of(const row_levels& map) { return map.in_linear_light(); }
-
-constexpr bool little = __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__;
+constexpr int64_t longest_map_row = 2 * max_texture_side + 2 * texel_apron;
+static_assert(longest_map_row * longest_map_row * 3 / 2 * place_scale < INT32_MAX);
 
 // Pixel k of every four in register k, so that its channels lie in four lanes, and texels' too.
 constexpr int pixels_apart = 4;
@@ -37,7 +35,7 @@ SPANTEX_INLINE void each_register(auto&& f) {
 }
 
 // Calls take.operator()<k>(left, right) for every register of pixels: their left texels, and their right ones.
-SPANTEX_INLINE void each_column(const linear_texels* texels, const uint32_t* at, auto&& take) {
+SPANTEX_INLINE void each_column(const linear_column* texels, const uint32_t* at, auto&& take) {
 #if SPANTEX_AVX2 || SPANTEX_AVX512
   const int64_t* const from = reinterpret_cast<const int64_t*>(texels);
   constexpr int quarters = width / pixels_apart;
@@ -73,12 +71,12 @@ struct blends { v pixel[4]; };
 constexpr int blend_fraction = 2 * q.subtexel_bits, kept_drop = blend_fraction - q.blend_bits, between_bits = q.blend_bits + q.level_bits;
 static_assert(q.blend_bits <= max_linear_blend_bits - q.level_bits && linear_bits + between_bits < 32);
 
-// What sums of a level begin with: texels are less 2^15, so that they are signed words, and weights add up to 2^14; half of what kept_of_level() drops; and what pixels_between() is to add for rounding, of which a
-// level's colour then has so many more.
-constexpr int32_t kept_more = (0x7FFF >> (16 - q.blend_bits)), more_of_blends = (1 << (kept_drop - 1)) + (kept_more << kept_drop), start_of_blends = (linear_texels::offset << blend_fraction) + more_of_blends;
+// What sums of a level begin with: 2^15 for each of the weights, 2^14 together, as texels are less 2^15, so that they are signed words; and more: half of what kept_and_more() drops, so that it rounds, and kept_more of
+// what it keeps, which with the ones behind them are the 2^15 - 1 that biased_to_even() takes.
+constexpr int32_t kept_more = 0x7FFF >> (16 - q.blend_bits), more_of_blends = (1 << (kept_drop - 1)) + (kept_more << kept_drop), start_of_blends = (linear_column::offset << blend_fraction) + more_of_blends;
 
 // fraction: u in the lower half of each lane, v in the upper, of 128.
-SPANTEX_INLINE blends blend(const linear_texels* from, const uint32_t* at, const linear_texels*, const uint32_t*, v fraction) {
+SPANTEX_INLINE blends blend(const linear_column* from, const uint32_t* at, v fraction) {
 #if SPANTEX_AVX512
   const raw u_of_both = raw(of_each_quarter(_mm_setr_epi8(0, 1, 0, 1, 4, 5, 4, 5, 8, 9, 8, 9, 12, 13, 12, 13))), v_of_both = raw(of_each_quarter(_mm_setr_epi8(2, 3, 2, 3, 6, 7, 6, 7, 10, 11, 10, 11, 14, 15, 14, 15)));
   const raw lower = _mm512_shuffle_epi8(raw(fraction), v_of_both);
@@ -96,8 +94,8 @@ SPANTEX_INLINE blends blend(const linear_texels* from, const uint32_t* at, const
 
 // Halves to even.
 SPANTEX_INLINE v rounded_to_even(v x, int bits) { return (x + ((1 << (bits - 1)) - 1) + ((x >> bits) & 1)) >> bits; }
-// The same in a lane's upper half, of what 2^(bits - 1) - 1 was added to. Whether the number is odd is asked then: that carries only above a half, where one more does not carry again.
-SPANTEX_INLINE v upper_half_to_even(v_32 y) {
+// The same in a lane's upper half, 2^15 - 1 added already. Whether the number is odd is asked after that: it carries only above a half, where one more does not carry again.
+SPANTEX_INLINE v biased_to_even(v_32 y) {
 #if SPANTEX_AVX512
   const v one = number<0x10000>();
   return add_products(v(y), v(y) & one, one);
@@ -105,7 +103,8 @@ SPANTEX_INLINE v upper_half_to_even(v_32 y) {
   return v(y + (y >> 16 & 1));
 #endif
 }
-SPANTEX_INLINE v upper_half_to_even(v x, int bits, uint32_t more = 0) { return upper_half_to_even((v_32(x) << (16 - bits)) + (0x7FFF - (more << (16 - bits)))); }
+// Of a number with so many bits of fraction, and so much more than it is.
+SPANTEX_INLINE v upper_half_to_even(v x, int bits, uint32_t more = 0) { return biased_to_even((v_32(x) << (16 - bits)) + (0x7FFF - (more << (16 - bits)))); }
 
 SPANTEX_INLINE v kept_and_more(v x) { return x >> kept_drop; }
 SPANTEX_INLINE v kept_of_level(v x) { return kept_and_more(x) - kept_more; }
@@ -118,7 +117,6 @@ SPANTEX_INLINE v between_levels(const blends& fine, const blends& coarse, v frac
 // Pixels before they are codes: u0.16 numbers, of alpha whole ones, two a lane: of pixels 0 and 1 of every four, and of 2 and 3. A span's are found before the first is coded: both are long
 // chains of dependent operations, which a processor does side by side of several pixels if there is nothing else between them.
 struct unfinished { v first, second; };
-constexpr bool finishes_later = true;
 
 // number_of.operator()<k>() delivers those of register k, in upper halves of lanes.
 SPANTEX_INLINE unfinished two_a_lane(auto&& number_of) {
@@ -149,6 +147,7 @@ SPANTEX_INLINE v codes_of(v first, v second) { return codes_of(first) | (codes_o
 
 // Lane c has channel c of pixels 0, 2, 1 and 3, from its lowest byte on: to pixels.
 SPANTEX_INLINE v pixels_of_channels(v channels) {
+  constexpr bool little = __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__;
   constexpr int p0 = little ? 0 : 3, p1 = little ? 2 : 1, p2 = little ? 1 : 2, p3 = little ? 3 : 0;
   typedef uint8_t bytes __attribute__((vector_size(4 * width)));
 #define SPANTEX_PIXEL(n) n, n + 4, n + 8, n + 12
@@ -171,7 +170,7 @@ SPANTEX_INLINE unfinished pixels_of(const blends& b) {
   return two_a_lane([&]<int K>() SPANTEX_INLINED { return upper_half_to_even(b.pixel[K], blend_fraction, more_of_blends); });
 }
 
-// x and ones behind it: what kept_more and these are together is 2^15 - 1.
+// In upper halves, what kept_and_more() kept: ones behind it make 2^15 - 1 of kept_more.
 SPANTEX_INLINE v_32 with_rounding(v x) {
   constexpr int ones = 16 - q.blend_bits;
 #if SPANTEX_AVX512
@@ -186,13 +185,13 @@ SPANTEX_INLINE unfinished pixels_between(const blends& fine, const blends& coars
   const v weights = fraction << (16 - between_bits);
   return two_a_lane([&]<int K>() SPANTEX_INLINED {
     const v near = kept_and_more(fine.pixel[K]);
-    return upper_half_to_even(with_rounding(near) + v_32((kept_and_more(coarse.pixel[K]) - near) * lane_of_each<K>(weights)));
+    return biased_to_even(with_rounding(near) + v_32(kept_and_more(coarse.pixel[K]) - near) * v_32(lane_of_each<K>(weights)));
   });
 }
 
 // The same where the coarse level has no weight.
 SPANTEX_INLINE unfinished pixels_of_level(const blends& b) {
-  return two_a_lane([&]<int K>() SPANTEX_INLINED { return upper_half_to_even(with_rounding(kept_and_more(b.pixel[K]))); });
+  return two_a_lane([&]<int K>() SPANTEX_INLINED { return biased_to_even(with_rounding(kept_and_more(b.pixel[K]))); });
 }
 
 // --- many samples --------------------------------------------------------------------------------------

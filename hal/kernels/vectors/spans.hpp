@@ -118,8 +118,11 @@ SPANTEX_INLINE v places_of(v texels, const on_level<Shift>& l) {
 // What positions have below span_positions' last bit, where they have it: only products with ratios tell.
 constexpr int rest_bits = 16 - q.coordinate_bits;
 
-// Where `width` lanes have their four texels on a level: the upper left ones' places in the map; weights of 128, u in the lower half, v in the upper.
+// Where `width` lanes have their four texels on a level: the upper left ones' places in the map, times place_scale; weights of 128, u in the lower half, v in the upper.
 struct alignas(sizeof(v)) lanes_places { int32_t top[width], fraction[width]; };
+
+// A base, whole texels, both axes in a lane.
+SPANTEX_INLINE v base_texels(const span_positions& p) { return halves(set(p.base_u >> q.coordinate_bits), set(p.base_v << (16 - q.coordinate_bits))); }
 
 // Of positions on the level, with subtexel_bits of fraction; base: whole texels more, both axes in a lane.
 template <bool MasksOnly, class Shift>
@@ -140,16 +143,20 @@ SPANTEX_INLINE void place_lanes(const on_level<Shift>& l, v position_u, v positi
   put_places<MasksOnly>(l, u, w, out);
 }
 
-// The four texels, interpolated; down: to the texels below.
+// The four texels, interpolated; down: to the texels below, where they are not in the same place.
+#if SPANTEX_LINEAR
+SPANTEX_INLINE blends blended(const row_levels& map, const lanes_places& at, auto&&) { return blend(map.linear_columns(), reinterpret_cast<const uint32_t*>(at.top), get(at.fraction)); }
+#else
 SPANTEX_INLINE blends blended(const row_levels& map, const lanes_places& at, int32_t down) {
   const uint32_t* const index = reinterpret_cast<const uint32_t*>(at.top);
-  return blend(texels_of(map), index, texels_of(map) + down, index, get(at.fraction));
+  return blend(map.texels(), index, map.texels() + down, index, get(at.fraction));
 }
 SPANTEX_INLINE blends blended(const row_levels& map, const lanes_places& at, v down) {
   alignas(sizeof(v)) int32_t below[width];
   put(below, get(at.top) + down);
-  return blend(texels_of(map), reinterpret_cast<const uint32_t*>(at.top), texels_of(map), reinterpret_cast<const uint32_t*>(below), get(at.fraction));
+  return blend(map.texels(), reinterpret_cast<const uint32_t*>(at.top), map.texels(), reinterpret_cast<const uint32_t*>(below), get(at.fraction));
 }
+#endif
 
 template <bool MasksOnly, class Shift>
 SPANTEX_INLINE blends blended_at(const row_levels& map, const on_level<Shift>& l, v position_u, v position_v, const span_positions& p) {
@@ -232,7 +239,8 @@ SPANTEX_INLINE void write_span(const row_work& work, int32_t sx, span_mask mask,
   for (int y = 0; y < span_side; y += rows_at_once, row += rows_at_once * work.stride) {
     const uint32_t of_rows = uint32_t(mask >> (y * span_side)) & whole;
     if (of_rows == 0) continue;
-    for (int part = 0; part < parts; ++part) write_rows(row + width * part, work.stride, of_rows >> (width * part), pixels_at(place_of(y, part)));
+    for (int part = 0; part < parts; ++part)
+      if (const uint32_t of_part = of_rows >> (width * part) & (whole >> (rows_at_once * span_side - width)); of_part != 0) write_rows(row + width * part, work.stride, of_part, pixels_at(place_of(y, part)));
   }
 }
 
@@ -247,32 +255,30 @@ SPANTEX_INLINE bool has_group(span_mask mask, int n) {
 }
 
 #if SPANTEX_LINEAR
-// A span whose pixels are to be finished when the next one's places are found: both are long chains of dependent operations, that nothing else would fill.
-struct span_before {
-  unfinished of[groups];
-  int32_t sx;
-  span_mask mask = 0;  // 0: there is none
+// A row of spans, and the last one before its pixels are codes: they are finished when the places of the next one are found. Both are long chains of dependent operations, that a processor does side by side.
+struct row_in_hand : row_work {
+  mutable unfinished before[groups];
+  mutable int32_t before_sx;
+  mutable span_mask before_mask = 0;  // 0: there is none
+  SPANTEX_INLINE explicit row_in_hand(const row_work& row) : row_work(row) {}
 };
 
-// A row of spans, of which the one before is kept.
-struct row_in_hand : row_work {
-  span_before& before;
-  SPANTEX_INLINE void finish() const {
-    const span_mask mask = before.mask;
-    if (mask == 0) return;
-    before.mask = 0;
+SPANTEX_INLINE void finish(const row_in_hand& work) {
+  const span_mask mask = work.before_mask;
+  if (mask == 0) return;
+  work.before_mask = 0;
 #if SPANTEX_AVX512
-    if (mask == ~span_mask(0) && texels->opaque()) [[likely]] {
-      v all[groups];
-      finish_opaque(before.of, all);
-      return write_span(*this, before.sx, mask, [&](int k) SPANTEX_INLINED { return all[k / width]; });
-    }
-#endif
-    write_span(*this, before.sx, mask, [&](int k) SPANTEX_INLINED { return finished(before.of[k / width]); });
+  if (mask == ~span_mask(0) && work.texels->opaque()) [[likely]] {
+    v pixels[groups];
+    finish_opaque(work.before, pixels);
+    return write_span(work, work.before_sx, mask, [&](int k) SPANTEX_INLINED { return pixels[k / width]; });
   }
-};
+#endif
+  write_span(work, work.before_sx, mask, [&](int k) SPANTEX_INLINED { return finished(work.before[k / width]); });
+}
 #else
 using row_in_hand = row_work;
+SPANTEX_INLINE void finish(const row_in_hand&) {}
 #endif
 
 SPANTEX_INLINE void draw_groups(const row_in_hand& work, int32_t sx, span_mask mask, auto&& place, auto&& at) {
@@ -280,11 +286,11 @@ SPANTEX_INLINE void draw_groups(const row_in_hand& work, int32_t sx, span_mask m
 #pragma GCC unroll 2
     for (int n = 0; n < groups; ++n) place(n);
 #if SPANTEX_LINEAR
-  work.finish();
+  finish(work);
   for (int n = 0; n < groups; ++n)
-    if (has_group(mask, n)) [[likely]] work.before.of[n] = at(n);
-  work.before.sx = sx;
-  work.before.mask = mask;
+    if (has_group(mask, n)) [[likely]] work.before[n] = at(n);
+  work.before_sx = sx;
+  work.before_mask = mask;
 #else
   write_span(work, sx, mask, [&](int k) SPANTEX_INLINED {
     if (!places_first) place(k / width);
@@ -305,7 +311,7 @@ template <bool MasksOnly>
 class single_texels {
  public:
   SPANTEX_INLINE single_texels(const row_levels& map, const span_positions& p, int fraction)
-      : level_(level_at_once<MasksOnly>(map, 0, p)), base_(halves(set(p.base_u >> q.coordinate_bits), set(p.base_v << (16 - q.coordinate_bits)))), fraction_(fraction) {}
+      : level_(level_at_once<MasksOnly>(map, 0, p)), base_(base_texels(p)), fraction_(fraction) {}
 
   // Of two vectors of pixels.
   SPANTEX_INLINE void put_places(const v (&u)[2], const v (&w)[2], int32_t* to) const {
@@ -374,9 +380,9 @@ SPANTEX_INLINE void draw_nearest(const row_work& work, int32_t sx, span_mask mas
 // Bilinear's places on level 0 straight from a span's series: rounding to coordinate_bits and snapping are one, and the base is whole texels.
 template <int Terms, bool MasksOnly>
 SPANTEX_INLINE void find_places(const span_coefficients& c, const span_positions& p, const on_level<int32_t>& l, lanes_places* out) {
-  const int cut = c.exponent - q.subtexel_bits, rounded = c.exponent - q.coordinate_bits;
-  const int32_t start = (1 << (rounded - 1)) + add_of(0) * (1 << rounded);
-  const v base = halves(set(p.base_u >> q.coordinate_bits), set(p.base_v << (16 - q.coordinate_bits)));
+  const int cut = c.exponent - q.subtexel_bits, below_position = c.exponent - q.coordinate_bits;
+  const int32_t start = (1 << (below_position - 1)) + add_of(0) * (1 << below_position);
+  const v base = base_texels(p);
   for (int part = 0; part < parts; ++part) {
     series_rows<Terms> rows(c, part);
 #pragma GCC unroll 4
@@ -390,21 +396,27 @@ SPANTEX_INLINE void draw_bilinear(const row_in_hand& work, int32_t sx, span_mask
   const row_levels& map = work.texels->levels_in_rows();
   const on_level<int32_t> l = level_at_once<MasksOnly>(map, 0, p);
   lanes_places places[placed_groups];
+  const auto place = [&](int n) SPANTEX_INLINED { place_lanes<MasksOnly>(l, get(p.u + width * n), get(p.v + width * n), p, places[n % placed_groups]); };
   const auto pixels_at = [&](int n) SPANTEX_INLINED { return pixels_of(blended(map, places[n % placed_groups], l.down)); };
-  constexpr int most_bits = 30;  // an offset, below 2^30, and half a texel are below 2^31
-  if constexpr (places_first)
-    if (const int terms = terms_of(c); terms != levels_alone && c.exponent <= most_bits) {
-      switch (terms) {
-        case 0: find_places<0, MasksOnly>(c, p, l, places); break;
-        case 1: find_places<1, MasksOnly>(c, p, l, places); break;
-        case 2: find_places<2, MasksOnly>(c, p, l, places); break;
-        case 3: find_places<3, MasksOnly>(c, p, l, places); break;
-        default: find_places<4, MasksOnly>(c, p, l, places); break;
-      }
-      return draw_groups(work, sx, mask, [](int) {}, pixels_at);
+  if constexpr (places_first) {
+    constexpr int most_bits = 30;  // an offset, below 2^30, and half a texel are below 2^31
+    const auto find = [&]<int Terms>() SPANTEX_INLINED { find_places<Terms, MasksOnly>(c, p, l, places); };
+    switch (c.exponent <= most_bits ? terms_of(c) : levels_alone) {
+      case 0: find.template operator()<0>(); break;
+      case 1: find.template operator()<1>(); break;
+      case 2: find.template operator()<2>(); break;
+      case 3: find.template operator()<3>(); break;
+      case 4: find.template operator()<4>(); break;
+      default:
+        find_positions<false>(c, p);
+        for (int n = 0; n < groups; ++n) place(n);
+        break;
     }
-  find_positions<false>(c, p);
-  draw_groups(work, sx, mask, [&](int n) SPANTEX_INLINED { place_lanes<MasksOnly>(l, get(p.u + width * n), get(p.v + width * n), p, places[n % placed_groups]); }, pixels_at);
+    draw_groups(work, sx, mask, [](int) {}, pixels_at);
+  } else {
+    find_positions<false>(c, p);
+    draw_groups(work, sx, mask, place, pixels_at);
+  }
 }
 
 // Whether the map holds every texel that lies up to `reach` texels of level 0 from the base: of any level, as one before the first and one after the last are in its apron.
