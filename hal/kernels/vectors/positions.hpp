@@ -174,22 +174,25 @@ template <bool Rounded>
   for (int k = 0; k < span_pixel_count; k += width) put(out.level + k, level);
 }
 
-// How many terms the series has: 0, affine; levels_alone, none: the divide.
-SPANTEX_INLINE int terms_of(const span_coefficients& c) { return c.how == evaluation::affine ? 0 : c.how == evaluation::series ? c.terms : levels_alone; }
+// Calls with.operator()<Terms>() for the terms of the series, none where the span is affine. False where it takes the divide.
+SPANTEX_INLINE bool by_terms(const span_coefficients& c, auto&& with) {
+  switch (c.how == evaluation::affine ? 0 : c.how == evaluation::series ? c.terms : levels_alone) {
+    case 0: with.template operator()<0>(); return true;
+    case 1: with.template operator()<1>(); return true;
+    case 2: with.template operator()<2>(); return true;
+    case 3: with.template operator()<3>(); return true;
+    case 4: with.template operator()<4>(); return true;
+    default: return false;
+  }
+}
+static_assert(most_series_terms == 4);
 
 template <bool Levels, bool Rounded = true>
 SPANTEX_INLINE void find_positions(const span_coefficients& c, span_positions& out) {
   if (Levels && c.g == 0 && c.h == 0) return find_facing_positions<Rounded>(c, out);
-  switch (terms_of(c)) {
-    case 0: find_positions<0, Levels, Rounded>(c, out); break;
-    case 1: find_positions<1, Levels, Rounded>(c, out); break;
-    case 2: find_positions<2, Levels, Rounded>(c, out); break;
-    case 3: find_positions<3, Levels, Rounded>(c, out); break;
-    case 4: find_positions<4, Levels, Rounded>(c, out); break;
-    default:
-      if (Levels && c.slope_log2 <= most_level_slope_log2) find_positions<levels_alone, Levels, Rounded>(c, out);
-      divide_positions(c, out);
-      break;
+  if (!by_terms(c, [&]<int Terms>() SPANTEX_INLINED { find_positions<Terms, Levels, Rounded>(c, out); })) {
+    if (Levels && c.slope_log2 <= most_level_slope_log2) find_positions<levels_alone, Levels, Rounded>(c, out);
+    divide_positions(c, out);
   }
   if (Levels && c.slope_log2 > most_level_slope_log2) steep_levels(c, out);
 }

@@ -366,14 +366,7 @@ SPANTEX_INLINE void draw_nearest(const row_work& work, int32_t sx, span_mask mas
   const row_levels& map = work.texels->levels_in_rows();
   const single_texels<MasksOnly> to(map, p, c.exponent);
   alignas(sizeof(v)) int32_t places[span_pixel_count];
-  switch (terms_of(c)) {
-    case 0: find_places<0>(c, to, places); break;
-    case 1: find_places<1>(c, to, places); break;
-    case 2: find_places<2>(c, to, places); break;
-    case 3: find_places<3>(c, to, places); break;
-    case 4: find_places<4>(c, to, places); break;
-    default: find_divided_places<MasksOnly>(map, c, p, places); break;
-  }
+  if (!by_terms(c, [&]<int Terms>() SPANTEX_INLINED { find_places<Terms>(c, to, places); })) find_divided_places<MasksOnly>(map, c, p, places);
   write_texels(work, sx, mask, map.texels(), places);
 }
 
@@ -400,17 +393,9 @@ SPANTEX_INLINE void draw_bilinear(const row_in_hand& work, int32_t sx, span_mask
   const auto pixels_at = [&](int n) SPANTEX_INLINED { return pixels_of(blended(map, places[n % placed_groups], l.down)); };
   if constexpr (places_first) {
     constexpr int most_bits = 30;  // an offset, below 2^30, and half a texel are below 2^31
-    const auto find = [&]<int Terms>() SPANTEX_INLINED { find_places<Terms, MasksOnly>(c, p, l, places); };
-    switch (c.exponent <= most_bits ? terms_of(c) : levels_alone) {
-      case 0: find.template operator()<0>(); break;
-      case 1: find.template operator()<1>(); break;
-      case 2: find.template operator()<2>(); break;
-      case 3: find.template operator()<3>(); break;
-      case 4: find.template operator()<4>(); break;
-      default:
-        find_positions<false>(c, p);
-        for (int n = 0; n < groups; ++n) place(n);
-        break;
+    if (c.exponent > most_bits || !by_terms(c, [&]<int Terms>() SPANTEX_INLINED { find_places<Terms, MasksOnly>(c, p, l, places); })) {
+      find_positions<false>(c, p);
+      for (int n = 0; n < groups; ++n) place(n);
     }
     draw_groups(work, sx, mask, [](int) {}, pixels_at);
   } else {
