@@ -178,18 +178,17 @@ struct batch_levels {
 // Positions and levels of the spans' pixels. Step by step: a step is a chain of dependent operations, and those of the other spans fill its gaps.
 template <bool TwoLevels>
 SPANTEX_INLINE batch_levels find_levels(const row_work& work, const batch& b, uint32_t spans, span_pixels (&of)[batch_size]) {
-  v16 lengths[batch_size];
+  span_lengths lengths;
   batch_levels l{};
-  for (int k = 0; k < batch_size; ++k)
-    if ((spans & ~b.magnified) >> k & 1) lengths[k] = lengths_of(b, k);
+  lengths_of(b, spans & ~b.magnified, lengths);
   const bool some_unlike = work.texels->levels_in_rows().exact_count() <= work.last_level;
   for (int k = 0; k < batch_size; ++k) {
     __m128i least = _mm_setzero_si128();
     bool all_alike = true, all_alone = true, next_too = false;
     if ((spans & b.magnified) >> k & 1) {
-      take(offsets_of<forms_in_turn>(b, k), of[k]);  // their levels, all 0, are read of those alone that are drawn by themselves
+      take(offsets_of<forms_in_turn, true>(b, k), of[k]);  // their levels, all 0, are read of those alone that are drawn by themselves
     } else if (spans >> k & 1) {
-      b.slope_log2[k] > most_level_slope_log2 ? find_pixels<true>(b, k, lengths[k], of[k]) : find_pixels<false>(b, k, lengths[k], of[k]);
+      b.slope_log2[k] > most_level_slope_log2 ? find_pixels<true>(b, k, lengths, of[k]) : find_pixels<false>(b, k, lengths, of[k]);
       least = settle<TwoLevels>(of[k].level, work.last_level, all_alike, all_alone);
       if (some_unlike) l.scaled |= uint32_t(on_unlike_levels<TwoLevels>(*work.texels, of[k].level)) << k;
       if (!all_alike) [[unlikely]] least = least_level_of<TwoLevels>(of[k].level, next_too);
@@ -210,7 +209,7 @@ SPANTEX_INLINE batch_levels find_facing_levels(const row_work& work, const batch
   put(each, level);
   for (int k = 0; k < batch_size; ++k) {
     if (!(spans >> k & 1)) continue;
-    take(offsets_of<forms_in_turn>(b, k), of[k]);
+    take(offsets_of<forms_in_turn, true>(b, k), of[k]);
     for (v16& same : of[k].level) same = set32(each[k]);
   }
   const uint32_t all = (1u << batch_size) - 1;

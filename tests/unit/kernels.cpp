@@ -129,6 +129,22 @@ SPANTEX_CASE(walls_to_the_side) {
   }
 }
 
+// Floors and walls seen by a camera that is not rolled: W varies along one axis of the screen alone, hardly or up to what only a division holds; the map is turned, and denser across or down.
+SPANTEX_CASE(floors_and_walls) {
+  const ready_map even(random_map(512, 512), wrap::repeat), uneven(random_map(500, 375), wrap::mirror);
+  for (const double slope : {0.0001, 0.0006, 0.0022, 0.009, -0.0022})
+    for (const double denser : {1., 2.6}) {
+      const double last = slope < 0 ? 0.6 : 0.09;
+      const double both[][9] = {{0.41 * denser, -0.11, 7.3, 0.13, 0.37, 585.4, 0, slope, last}, {0.41, -0.11 * denser, 7.3, 0.13, 0.37 * denser, 585.4, slope, 0, last}};
+      for (const double (&m)[9] : both) {
+        plane p{};
+        SPANTEX_ASSERT_OK(make_plane(homography_of(m), {0, 0, 160, 96}, p));
+        for (const filter kind : filters) draw_all(p, even, kind, {0, 0, 160, 96}, 160, 96);
+        for (const filter kind : {filter::trilinear, filter::aniso}) draw_all(p, uneven, kind, {0, 0, 160, 96}, 160, 96);
+      }
+    }
+}
+
 // Quads wider than their pixels' steps let one expect: u grows across and down alike. And texels that take many pixels: offsets are smaller than one, with many bits.
 SPANTEX_CASE(sheared_and_magnified_planes) {
   const ready_map map(random_map(512, 512), wrap::repeat), small(random_map(64, 64), wrap::repeat), uneven(random_map(500, 375), wrap::repeat);
@@ -401,6 +417,7 @@ int main() {
       cmocka_unit_test(turned_planes_that_face_the_viewer),
       cmocka_unit_test(turned_planes_by_nearest),
       cmocka_unit_test(walls_to_the_side),
+      cmocka_unit_test(floors_and_walls),
       cmocka_unit_test(sheared_and_magnified_planes),
       cmocka_unit_test(spans_of_four_to_nine_texels),
       cmocka_unit_test(positions_that_stand_still_while_w_does_not),

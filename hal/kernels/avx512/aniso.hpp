@@ -55,8 +55,7 @@ struct row_span : level_span {
 
 // axis_log2().
 SPANTEX_INLINE v16 axis_log2_16(v16 u, v16 v, int exponent) {
-  const auto square = [&](v8 x, v8 y) { return _mm512_add_epi64(_mm512_mul_epi32(x, x), _mm512_mul_epi32(y, y)); };
-  const v8 even = square(u, v), odd = square(_mm512_srli_epi64(u, 32), _mm512_srli_epi64(v, 32));
+  const v8 even = squares_of(u, v), odd = squares_of(_mm512_srli_epi64(u, 32), _mm512_srli_epi64(v, 32));
   const v8 even_zeros = _mm512_lzcnt_epi64(even), odd_zeros = _mm512_lzcnt_epi64(odd);
   const v16 bits = _mm512_mask_mov_epi32(_mm512_srli_epi64(_mm512_sllv_epi64(even, even_zeros), 32), 0xAAAA, _mm512_sllv_epi64(odd, odd_zeros));
   const v16 zeros = _mm512_mask_mov_epi32(even_zeros, 0xAAAA, _mm512_slli_epi64(odd_zeros, 32));
@@ -64,10 +63,21 @@ SPANTEX_INLINE v16 axis_log2_16(v16 u, v16 v, int exponent) {
   return _mm512_mask_mov_epi32(length, _mm512_cmpeq_epi32_mask(zeros, of32<64>()), of32<-32 * 65536>());
 }
 
+// What is found of quads' slopes w - 1, u2.30.
+SPANTEX_INLINE void of_slopes(const batch& b, int k, const offsets& o, auto&& found, v16 (&out)[quads]) {
+  if (b.slope_of != nullptr) {
+    const v16 each = found(slope_of(slopes_along(b, k), b.slope_log2[k]));
+#pragma GCC unroll 4
+    for (int n = 0; n < quads; ++n) out[n] = of_quad(b, n, each);
+  } else {
+#pragma GCC unroll 4
+    for (int n = 0; n < quads; ++n) out[n] = found(slope_of(o.e[n], b.slope_log2[k]));
+  }
+}
+
 // shape_of() a quad's pixels: levels, and log2 of the ratio of the axes.
-SPANTEX_INLINE void shapes_of(v16 nu, v16 nv, v16 e, int exponent, int32_t area_log2, bool flat, const row_work& work, v16& level, v16& ratio) {
-  const v16 zero = _mm512_setzero_si512(), log_w = flat ? zero : _mm512_sub_epi32(log2_of(_mm512_add_epi32(e, of32<1 << 30>())), of32<30 << 16>());
-  const v16 length = axis_log2_16(nu, nv, exponent), major = _mm512_sub_epi32(length, _mm512_slli_epi32(log_w, 1));
+SPANTEX_INLINE void shapes_of(v16 nu, v16 nv, v16 log_w, int exponent, int32_t area_log2, const row_work& work, v16& level, v16& ratio) {
+  const v16 zero = _mm512_setzero_si512(), length = axis_log2_16(nu, nv, exponent), major = _mm512_sub_epi32(length, _mm512_slli_epi32(log_w, 1));
   const v16 stretch = _mm512_sub_epi32(_mm512_sub_epi32(_mm512_slli_epi32(length, 1), set32(area_log2)), log_w);
   ratio = _mm512_max_epi32(_mm512_min_epi32(_mm512_min_epi32(stretch, major), set32(work.most_ratio)), zero);
   level = detail_of(_mm512_add_epi32(_mm512_sub_epi32(major, ratio), of32<detail_half>()), set32(work.last_level << q.level_bits));
@@ -173,13 +183,14 @@ template <int Channels, bool Scaled>
 SPANTEX_INLINE bool draw_rows(const row_work& work, const batch& b, int k, const offsets& o, const v16 (&nu)[quads], const v16 (&nv)[quads], row_span& s) {
   constexpr int32_t half_of_longest = longest_row << 15;
   const int drop = b.axis_exponent[k] - 17;  // 3 or more
-  const bool affine = b.terms[k] == 0;
+  v16 inverse[quads];
+  if (b.terms[k] == 0) for (v16& each : inverse) each = of32<1 << q.reciprocal_bits>();
+  else of_slopes(b, k, o, [](v16 w) SPANTEX_INLINED { return reciprocal16(w).joined(); }, inverse);
   v16 far_u[quads], far_v[quads];
   __mmask16 beyond = 0;
 #pragma GCC unroll 1
   for (int n = 0; n < quads; ++n) {
-    const v8 one = of64<int64_t(1) << q.reciprocal_bits>();
-    const reciprocals16 r = affine ? reciprocals16{one, one} : reciprocal16(o.e[n]);
+    const reciprocals16 r = halves_of(inverse[n]);
     const lengths32 u = over_square(nu[n], r, drop), v = over_square(nv[n], r, drop);
     const __mmask16 opposed = _mm512_movepi32_mask(_mm512_xor_si512(nu[n], nv[n]));  // rows are symmetric: only whether their signs are alike matters
     for (int at = 0; 2 * at < s.most; ++at) {
@@ -225,8 +236,9 @@ SPANTEX_INLINE bool draw_aniso(const row_work& work, const batch& b, int k) {
   const bool flat = b.level >> k & 1;
   row_span span;
   span.pixels = &span.own;
-  offsets o = offsets_of<forms_in_turn>(b, k);
-  for (v16& e : o.e) e = slope_of(e, b.slope_log2[k]);
+  offsets o = offsets_of<forms_in_turn, true>(b, k);
+  v16 log_w[quads] = {};
+  if (!flat) of_slopes(b, k, o, [](v16 w) SPANTEX_INLINED { return _mm512_sub_epi32(log2_of(_mm512_add_epi32(w, of32<1 << 30>())), of32<30 << 16>()); }, log_w);
   v16 nu[quads], nv[quads], largest = _mm512_setzero_si512();
   const auto some_take = [&](v16 ratio) SPANTEX_INLINED { return _mm512_cmpge_epi32_mask(largest, ratio) != 0; };
   forms_of(b.axis_u, k, nu);
@@ -234,7 +246,7 @@ SPANTEX_INLINE bool draw_aniso(const row_work& work, const batch& b, int k) {
 #pragma GCC unroll 4
   for (int n = 0; n < quads; ++n) {
     v16 ratio;
-    shapes_of(nu[n], nv[n], o.e[n], b.axis_exponent[k], b.area_log2[k], flat, work, span.own.level[n], ratio);
+    shapes_of(nu[n], nv[n], log_w[n], b.axis_exponent[k], b.area_log2[k], work, span.own.level[n], ratio);
     span.samples[n] = samples_of(ratio);
     largest = _mm512_max_epi32(largest, ratio);
     if (some_take(of32<least_ratio_of(most_samples + 1)>())) return false;

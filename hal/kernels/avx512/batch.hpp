@@ -45,6 +45,16 @@ SPANTEX_INLINE void keep(batch_forms& f, __m256i c, __m256i x, __m256i y, cut ho
   put(f.below, between(quad.below_x, quad.below_y));
 }
 
+// x (2 n - 7) of eight spans, n a row or a column.
+SPANTEX_INLINE void keep(int32_t (&to)[batch_size][span_side], __m256i x) {
+  const v16 steps = _mm512_setr_epi32(-7, -5, -3, -1, 1, 3, 5, 7, -7, -5, -3, -1, 1, 3, 5, 7);
+#pragma GCC unroll 4
+  for (int k = 0; k < batch_size; k += 2) {
+    const v16 lanes = _mm512_setr_epi32(k, k, k, k, k, k, k, k, k + 1, k + 1, k + 1, k + 1, k + 1, k + 1, k + 1, k + 1);
+    _mm512_store_si512(to[k], _mm512_mullo_epi32(_mm512_permutexvar_epi32(lanes, _mm512_castsi256_si512(x)), steps));
+  }
+}
+
 // Sections of local memory of the quads of eight spans, on a level each (quad_section).
 struct alignas(64) batch_sections {
   int32_t at[3][3][quads][batch_size];                // columns of blocks, from each the first eight rows, the next eight and those after them: from planar_map::blocks()
@@ -56,6 +66,8 @@ struct alignas(64) batch_sections {
 struct alignas(64) batch {
   int32_t c_u[batch_size], a_u[batch_size], b_u[batch_size], c_v[batch_size], a_v[batch_size], b_v[batch_size];
   batch_forms u, v, e;                                   // of those; e 2^-slope_log2 takes the whole of 31 bits
+  alignas(64) int32_t slopes[batch_size][span_side];     // e of rows or columns, where it varies along one axis alone
+  const int32_t (*slope_of)[16];                         // which of them quads' lanes have; none where it varies along both
   batch_forms axis_u, axis_v;                            // aniso
   int32_t base_u[batch_size], base_v[batch_size];       // modulo the map's period
   int32_t origin_u[batch_size], origin_v[batch_size];   // before that
@@ -69,6 +81,7 @@ struct alignas(64) batch {
   int32_t column_bits[batch_size], row_bits[batch_size];                          // bits of fraction that offsets are left; nearest: of v, so that a row is 8 texels
   alignas(64) int32_t from[quads][2][batch_size];                                 // from a section's first texel to the base texel, u and v, as offsets, and what rounds
   alignas(64) int64_t u_x[batch_size], v_x[batch_size], u_y[batch_size], v_y[batch_size], twist_u[batch_size], twist_v[batch_size];  // level.hpp: span_levels()
+  int32_t more_of_level[batch_size];                    // what leads from a length's logarithm to a level
   alignas(64) int32_t right[2 * batch_size], below[2 * batch_size], spread[2 * batch_size];  // quad_bounds of filters with levels: u, then v
   int32_t axis_exponent[batch_size], area_log2[batch_size];  // the area's in 2^-16
   int32_t g[batch_size], h[batch_size], axis[6][batch_size];  // aniso: axis_terms::c_u to b_v
@@ -77,6 +90,7 @@ struct alignas(64) batch {
   uint32_t usable;                                       // bit k: span k is in here
   uint32_t level;                                        // aniso; bit k: w is constant
   uint32_t magnified = 0;                                // bit k: every pixel's level of detail is 0
+  uint32_t rows_longer = 0, columns_longer = 0;          // bit k: no column is longer than any row; no row than any column
   uint32_t placed, deep, broad;                         // bit k: its sections are known; how they lie (section_kinds)
   uint32_t together, few_rows;                          // nearest; bit k: its quads have one section; which is no more than four rows
 };

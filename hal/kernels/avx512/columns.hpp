@@ -42,6 +42,11 @@ SPANTEX_INLINE void plan_bounds(const setup& s, const columns8& j, batch& b) {
   keep_both(b.spread, spread(j.u_x, j.u_y, j.twist_u), spread(j.v_x, j.v_y, j.twist_v));
 }
 
+// Of a level in 2^-16: what rounds it to 2^-8, less the bias of -8 in full.
+constexpr int32_t detail_half = (1 << 7) - (1 << 15);
+// What leads from lengths' logarithms to levels, less the numbers' exponent.
+constexpr int32_t more_of_level = (1 << 16) + detail_half + 32;
+
 // span_levels(). A span is known to be magnified if no row or column is longer than half a texel a pixel on either axis and |1 - w| < 2^-4: lengths are then
 // below sqrt(2) / 2 (16 / 15)^2 = 0.81, which is 0.3 of a level less than what rounds to 0.
 SPANTEX_INLINE void plan_levels(const setup& s, batch& b) {
@@ -52,9 +57,22 @@ SPANTEX_INLINE void plan_levels(const setup& s, batch& b) {
   _mm512_store_si512(b.v_y, j.v_y);
   _mm512_store_si512(b.twist_u, j.twist_u);
   _mm512_store_si512(b.twist_v, j.twist_v);
-  const auto most = [](v8 x, v8 y, v8 twist) { return _mm512_add_epi64(_mm512_max_epi64(_mm512_abs_epi64(x), _mm512_abs_epi64(y)), times7(_mm512_abs_epi64(twist))); };
-  const v8 longest = _mm512_max_epi64(most(j.u_x, j.u_y, j.twist_u), most(j.v_x, j.v_y, j.twist_v)), quarter = _mm512_sllv_epi64(set(1), _mm512_sub_epi64(s.exponent, set(2)));  // steps are half pixels
+  // The least and the most that rows' and columns' components are long.
+  const auto bounds = [](v8 step, v8 twist, v8& least, v8& most) {
+    const v8 size = _mm512_abs_epi64(step), aside = times7(_mm512_abs_epi64(twist));
+    least = _mm512_max_epi64(_mm512_sub_epi64(size, aside), _mm512_setzero_si512());
+    most = _mm512_add_epi64(size, aside);
+  };
+  v8 least[4], most[4];
+  bounds(j.u_x, j.twist_u, least[0], most[0]);
+  bounds(j.v_x, j.twist_v, least[1], most[1]);
+  bounds(j.u_y, j.twist_u, least[2], most[2]);
+  bounds(j.v_y, j.twist_v, least[3], most[3]);
+  const v8 longest = _mm512_max_epi64(_mm512_max_epi64(most[0], most[1]), _mm512_max_epi64(most[2], most[3])), quarter = _mm512_sllv_epi64(set(1), _mm512_sub_epi64(s.exponent, set(2)));  // steps are half pixels
   b.magnified = _mm512_cmple_epi64_mask(longest, quarter) & _mm512_cmple_epi64_mask(s.slope_log2, set(-4));
+  b.rows_longer = _mm512_cmpge_epi64_mask(squares_of(least[0], least[1]), squares_of(most[2], most[3]));
+  b.columns_longer = _mm512_cmpge_epi64_mask(squares_of(least[2], least[3]), squares_of(most[0], most[1]));
+  put(b.more_of_level, _mm256_sub_epi32(_mm256_set1_epi32(more_of_level), _mm256_slli_epi32(narrowed(s.exponent), 16)));
   plan_bounds(s, j, b);
 }
 

@@ -69,6 +69,7 @@ SPANTEX_INLINE v8 whole_quotient8(v8 n, v8 w_bits, const inverse8& iw, __mmask8&
   return r;
 }
 
+SPANTEX_INLINE v8 squares_of(v8 u, v8 v) { return _mm512_add_epi64(_mm512_mul_epi32(u, u), _mm512_mul_epi32(v, v)); }  // of the even lanes
 SPANTEX_INLINE v8 times7(v8 x) { return _mm512_sub_epi64(_mm512_slli_epi64(x, 3), x); }
 // How far c + x hx + y hy reaches within a span.
 SPANTEX_INLINE v8 extent_of(v8 c, v8 x, v8 y) { return _mm512_add_epi64(_mm512_abs_epi64(c), times7(_mm512_add_epi64(_mm512_abs_epi64(x), _mm512_abs_epi64(y)))); }

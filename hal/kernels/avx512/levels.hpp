@@ -2,8 +2,6 @@
 // AVX-512 kernel: levels of detail of a span's pixels. Included by ../avx512.cpp alone.
 #pragma once
 
-// Of a level in 2^-16: what rounds it to 2^-8, less the bias of -8 in full.
-constexpr int32_t detail_half = (1 << 7) - (1 << 15);
 // finer() of a level in 2^-8 that has the bias in full: its limits are whole numbers of those; clamped.
 constexpr int32_t detail_of_ramp = 80;
 SPANTEX_INLINE v16 settled(v16 biased, v16 most) {
@@ -12,34 +10,65 @@ SPANTEX_INLINE v16 settled(v16 biased, v16 most) {
 }
 SPANTEX_INLINE v16 detail_of(v16 x, v16 most) { return settled(_mm512_srai_epi32(x, 8), most); }
 
-// level_term() of log2_length() of the eight rows, then of the eight columns, s.16, half of 2^-8 added. What is squared is below 2^31 (vectors/levels.hpp). Exponents are 18 to 36:
+// level_term() of log2_length() of eight rows or columns, then of eight others, s.16, half of 2^-8 added. What is squared is below 2^31 (vectors/levels.hpp). Exponents are 18 to 36:
 // the upper limit of a term is not reached; a length of 0, taken for -1/2, stays below any other, and it and what is below the lower limit are levels far below 0.
-// more: more_of_level, less the numbers' exponent.
-constexpr int32_t more_of_level = (1 << 16) + detail_half + 32;
-SPANTEX_INLINE v16 lengths16(v8 row_u, v8 row_v, v8 column_u, v8 column_v, v16 more) {
-  const auto square = [&](v8 u, v8 v) { return _mm512_add_epi64(_mm512_mul_epi32(u, u), _mm512_mul_epi32(v, v)); };
-  const v8 row = square(row_u, row_v), column = square(column_u, column_v);
-  const v8 row_zeros = _mm512_lzcnt_epi64(row), column_zeros = _mm512_lzcnt_epi64(column);
+// more: batch's more_of_level.
+SPANTEX_INLINE v16 lengths16(v8 some, v8 others, v16 more) {
+  const v8 some_zeros = _mm512_lzcnt_epi64(some), others_zeros = _mm512_lzcnt_epi64(others);
   const v16 lower = _mm512_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30), higher = _mm512_add_epi32(lower, of32<1>());
-  const v16 bits = _mm512_permutex2var_epi32(_mm512_sllv_epi64(row, row_zeros), higher, _mm512_sllv_epi64(column, column_zeros));
-  const v16 zeros = _mm512_permutex2var_epi32(row_zeros, lower, column_zeros);
+  const v16 bits = _mm512_permutex2var_epi32(_mm512_sllv_epi64(some, some_zeros), higher, _mm512_sllv_epi64(others, others_zeros));
+  const v16 zeros = _mm512_permutex2var_epi32(some_zeros, lower, others_zeros);
   const v16 length = _mm512_srai_epi32(log2_of_bits(bits, _mm512_sub_epi32(of32<63>(), zeros)), 1);
   return _mm512_and_si512(_mm512_add_epi32(length, more), of32<-64>());
 }
 
-// Of the span's rows and columns.
-SPANTEX_INLINE v16 lengths_of(const batch& b, int k) {
-  const v8 half = _mm512_setr_epi64(-7, -5, -3, -1, 1, 3, 5, 7);
-  const v8 along_u = _mm512_mul_epi32(set(b.twist_u[k]), half), along_v = _mm512_mul_epi32(set(b.twist_v[k]), half);
-  return lengths16(_mm512_add_epi64(set(b.u_x[k]), along_u), _mm512_add_epi64(set(b.v_x[k]), along_v), _mm512_sub_epi64(set(b.u_y[k]), along_u),
-                   _mm512_sub_epi64(set(b.v_y[k]), along_v), set32(more_of_level - b.exponent[k] * (1 << 16)));
+// Of spans' rows and columns; or, where it is known which ones are longer, of these alone, twice.
+struct alignas(64) span_lengths {
+  int32_t of[batch_size][16];
+  uint32_t longer;             // bit k: these alone
+};
+SPANTEX_INLINE v8 rows_apart() { return _mm512_setr_epi64(-7, -5, -3, -1, 1, 3, 5, 7); }
+
+SPANTEX_INLINE v16 both_lengths_of(const batch& b, int k) {
+  const v8 along_u = _mm512_mul_epi32(set(b.twist_u[k]), rows_apart()), along_v = _mm512_mul_epi32(set(b.twist_v[k]), rows_apart());
+  const v8 rows = squares_of(_mm512_add_epi64(set(b.u_x[k]), along_u), _mm512_add_epi64(set(b.v_x[k]), along_v));
+  const v8 columns = squares_of(_mm512_sub_epi64(set(b.u_y[k]), along_u), _mm512_sub_epi64(set(b.v_y[k]), along_v));
+  return lengths16(rows, columns, set32(b.more_of_level[k]));
+}
+
+// Of two spans, k and the next one.
+SPANTEX_INLINE void longer_lengths_of(const batch& b, int k, span_lengths& to) {
+  const auto squares = [&](int n) SPANTEX_INLINED {
+    const bool rows = b.rows_longer >> n & 1;
+    const v8 apart = _mm512_mask_sub_epi64(rows_apart(), __mmask8(rows - 1), _mm512_setzero_si512(), rows_apart());
+    const auto along = [&](int64_t step, int64_t twist) SPANTEX_INLINED { return _mm512_add_epi64(set(step), _mm512_mul_epi32(set(twist), apart)); };
+    return squares_of(along(*(rows ? b.u_x + n : b.u_y + n), b.twist_u[n]), along(*(rows ? b.v_x + n : b.v_y + n), b.twist_v[n]));
+  };
+  const v16 more = _mm512_mask_mov_epi32(set32(b.more_of_level[k]), 0xFF00, set32(b.more_of_level[k + 1]));
+  const v16 lengths = lengths16(squares(k), squares(k + 1), more);
+  _mm512_store_si512(to.of[k], _mm512_shuffle_i64x2(lengths, lengths, 0x44));
+  _mm512_store_si512(to.of[k + 1], _mm512_shuffle_i64x2(lengths, lengths, 0xEE));
+}
+
+// Of a batch's spans that are asked for.
+SPANTEX_INLINE void lengths_of(const batch& b, uint32_t spans, span_lengths& to) {
+  const uint32_t known = b.rows_longer | b.columns_longer, of_pair = known & known >> 1 & 0x55;
+  to.longer = of_pair | of_pair << 1;
+#pragma GCC unroll 1
+  for (int k = 0; k < batch_size; k += 2) {
+    if (!(spans >> k & 3)) continue;
+    if (to.longer >> k & 1) {
+      longer_lengths_of(b, k, to);
+      continue;
+    }
+    for (int n = k; n < k + 2; ++n) _mm512_store_si512(to.of[n], both_lengths_of(b, n));
+  }
 }
 
 // Settled levels of eight spans of a plane that faces the viewer: rows are of one length, and columns, so that a span's pixels have one level.
 SPANTEX_INLINE __m256i levels_of_facing(const batch& b, int32_t last_level) {
-  const auto of = [](const int64_t (&x)[batch_size]) SPANTEX_INLINED { return _mm512_load_si512(x); };
-  const v16 exponents = _mm512_broadcast_i64x4(got(b.exponent)), more = _mm512_sub_epi32(of32<more_of_level>(), _mm512_slli_epi32(exponents, 16));
-  const v16 lengths = lengths16(of(b.u_x), of(b.v_x), of(b.u_y), of(b.v_y), more), longest = _mm512_max_epi32(lengths, _mm512_shuffle_i64x2(lengths, lengths, 0x4E));
+  const auto squares = [](const int64_t (&u)[batch_size], const int64_t (&v)[batch_size]) SPANTEX_INLINED { return squares_of(_mm512_load_si512(u), _mm512_load_si512(v)); };
+  const v16 lengths = lengths16(squares(b.u_x, b.v_x), squares(b.u_y, b.v_y), _mm512_broadcast_i64x4(got(b.more_of_level))), longest = _mm512_max_epi32(lengths, _mm512_shuffle_i64x2(lengths, lengths, 0x4E));
   return _mm512_castsi512_si256(detail_of(longest, set32(last_level << q.level_bits)));
 }
 
@@ -105,7 +134,15 @@ SPANTEX_INLINE __m128i least_level_of(const v16 (&level)[quads], bool& next_too)
 }
 
 // Each pixel's longer one of its row's and its column's length.
-SPANTEX_INLINE void longest_of(v16 lengths, cut how, v16 (&out)[quads]) {
+SPANTEX_INLINE void longest_of(const batch& b, int k, const span_lengths& of_spans, v16 (&out)[quads]) {
+  const cut how = b.how;
+  const v16 lengths = _mm512_load_si512(of_spans.of[k]);
+  if (of_spans.longer >> k & 1) {
+    const auto& lanes = b.rows_longer >> k & 1 ? cut_of(how).row : cut_of(how).column;
+#pragma GCC unroll 4
+    for (int n = 0; n < quads; ++n) out[n] = _mm512_permutexvar_epi32(_mm512_load_si512(lanes[n]), lengths);
+    return;
+  }
   const auto of = [&](v16 lanes, int first) SPANTEX_INLINED { return _mm512_permutexvar_epi32(_mm512_add_epi32(lanes, set32(first)), lengths); };
   constexpr int columns = span_side;
   if (how == cut::square) [[likely]] {
@@ -126,32 +163,27 @@ SPANTEX_INLINE void longest_of(v16 lengths, cut how, v16 (&out)[quads]) {
   }
 }
 
-// level_at() of the span's pixels before it is settled(): quad by quad, told of its slopes.
+// Of level_at(), before it is settled(): what pixels' lengths have less for their slopes.
 template <bool Steep>
-struct levels_of {
-  v16 square_drop, log_drop, terms[quads];
-  SPANTEX_INLINE levels_of(const batch& b, int k, v16 lengths) : square_drop(set32(b.series_drop[k] + 1)), log_drop(set32(b.series_drop[k] + 13)) {
-    longest_of(lengths, b.how, terms);
-  }
-  SPANTEX_INLINE v16 operator()(int n, v16 e, int slope_log2, const slopes16& w) const {
-    v16 log_w;
-    if constexpr (Steep) {
-      log_w = _mm512_slli_epi32(_mm512_sub_epi32(log2_of(_mm512_add_epi32(slope_of(e, slope_log2), of32<1 << 30>())), of32<30 << 16>()), 1);
-    } else {
-      const v16 t = upper_difference(w.e16, _mm512_srav_epi32(w.square, square_drop));
-      log_w = _mm512_srav_epi32(_mm512_madd_epi16(t, of32<int32_t(level_factor.raw()) << 16>()), log_drop);
-    }
-    return _mm512_srai_epi32(_mm512_sub_epi32(terms[n], log_w), 8);
+struct level_of_slopes {
+  v16 square_drop, log_drop;
+  int slope_log2;
+  SPANTEX_INLINE level_of_slopes(const batch& b, int k) : square_drop(set32(b.series_drop[k] + 1)), log_drop(set32(b.series_drop[k] + 13)), slope_log2(b.slope_log2[k]) {}
+  SPANTEX_INLINE v16 operator()(v16 e, const slopes16& w) const {
+    if constexpr (Steep) return _mm512_slli_epi32(_mm512_sub_epi32(log2_of(_mm512_add_epi32(slope_of(e, slope_log2), of32<1 << 30>())), of32<30 << 16>()), 1);
+    const v16 t = upper_difference(w.e16, _mm512_srav_epi32(w.square, square_drop));
+    return _mm512_srav_epi32(_mm512_madd_epi16(t, of32<int32_t(level_factor.raw()) << 16>()), log_drop);
   }
 };
 
 // Positions and levels of a span's pixels, those not settled().
 template <bool Steep>
-SPANTEX_INLINE void find_pixels(const batch& b, int k, v16 lengths, span_pixels& p) {
-  const levels_of<Steep> levels(b, k, lengths);
-  evaluate<forms_in_turn>(b, k, [&](int n, v16 u, v16 v, v16 e, const slopes16& w) SPANTEX_INLINED {
+SPANTEX_INLINE void find_pixels(const batch& b, int k, const span_lengths& lengths, span_pixels& p) {
+  v16 longest[quads];
+  longest_of(b, k, lengths, longest);
+  evaluate<forms_in_turn, true>(b, k, level_of_slopes<Steep>(b, k), [&](int n, v16 u, v16 v, v16 log_w) SPANTEX_INLINED {
     p.u[n] = u;
     p.v[n] = v;
-    p.level[n] = levels(n, e, b.slope_log2[k], w);
+    p.level[n] = _mm512_srai_epi32(_mm512_sub_epi32(longest[n], log_w), 8);
   });
 }

@@ -88,7 +88,7 @@ SPANTEX_INLINE void plan_slopes(const row_work& work, setup& s, batch& b) {
 
 // choose_evaluation().
 template <filter Kind>
-SPANTEX_INLINE void plan_evaluation(setup& s, batch& b) {
+SPANTEX_INLINE void plan_evaluation(const row_work& work, setup& s, batch& b) {
   const v8 steepness = times7(_mm512_add_epi64(_mm512_abs_epi64(s.g), _mm512_abs_epi64(s.h)));
   s.steepness = steepness;
   const v8 slope_log2 = _mm512_max_epi64(_mm512_sub_epi64(bit_length(steepness), of64<q.reciprocal_bits>()), of64<least_slope_log2>());
@@ -110,7 +110,11 @@ SPANTEX_INLINE void plan_evaluation(setup& s, batch& b) {
   keep(b.affine_log2, s.affine_log2);
   keep(b.series_drop, _mm512_sub_epi64(of64<-2>(), slope_log2));
   const v8 up = _mm512_sub_epi64(_mm512_setzero_si512(), slope_log2);
-  keep<Kind>(b.e, _mm256_setzero_si256(), narrowed(_mm512_sllv_epi64(s.g, up)), narrowed(_mm512_sllv_epi64(s.h, up)), b.how);
+  const __m256i along_x = narrowed(_mm512_sllv_epi64(s.g, up)), along_y = narrowed(_mm512_sllv_epi64(s.h, up));
+  const bool same_in_rows = work.map->w.x == 0, same_in_columns = work.map->w.y == 0;
+  b.slope_of = !uses_levels(Kind) ? nullptr : same_in_rows ? cut_of(b.how).row : same_in_columns ? cut_of(b.how).column : nullptr;
+  if (b.slope_of != nullptr) keep(b.slopes, same_in_rows ? along_y : along_x);
+  else keep<Kind>(b.e, _mm256_setzero_si256(), along_x, along_y, b.how);
   keep(b.terms, _mm512_mask_mov_epi64(terms, affine, _mm512_setzero_si512()));
   b.usable = s.usable;
 }
@@ -138,7 +142,7 @@ SPANTEX_INLINE void plan_part(int k, const row_work& work, const batch_steps& st
     case 2: return plan_bases(s);
     case 3: return plan_extents(work, s);
     case 4: return plan_mantissas<Kind>(s, b);
-    case 5: plan_slopes(work, s, b); return plan_evaluation<Kind>(s, b);
+    case 5: plan_slopes(work, s, b); return plan_evaluation<Kind>(work, s, b);
     default: return plan_places<Kind>(work, s, b);
   }
 }

@@ -41,15 +41,13 @@ struct slopes16 {
   SPANTEX_INLINE explicit slopes16(v16 e) : e16(slope16(e)), square(_mm512_madd_epi16(e16, e16)) {}
 };
 
-template <int Terms>
-SPANTEX_INLINE void divide_by_series(v16 drop, const slopes16& w, v16& u, v16& v) {
-  const v16 r = series16<Terms>(w.e16, w.square, drop);
-  u = by_series16(u, r, drop);
-  v = by_series16(v, r, drop);
-}
-
 // 1/w of sixteen pixels, u1.30, in the lower halves of the even and of the odd lanes' 64 bits; what is above is anything.
-struct reciprocals16 { v8 even, odd; };
+struct reciprocals16 {
+  v8 even, odd;
+  // The odd ones above the even ones: both in 32-bit lanes.
+  SPANTEX_INLINE v16 joined() const { return _mm512_mask_mov_epi32(even, 0xAAAA, _mm512_slli_epi64(odd, 32)); }
+};
+SPANTEX_INLINE reciprocals16 halves_of(v16 joined) { return {joined, _mm512_srli_epi64(joined, 32)}; }
 SPANTEX_INLINE reciprocals16 reciprocal16(v16 e) {  // reciprocal_of_w(w, 30)
   const v16 w = _mm512_add_epi32(e, of32<1 << 30>()), twice = _mm512_add_epi32(w, w);
   const __mmask16 large = _mm512_cmpge_epu32_mask(w, of32<1 << 30>());
@@ -66,13 +64,6 @@ SPANTEX_INLINE v16 by_divide16(v16 n, const reciprocals16& r, v8 shift) {
   const auto one = [&](v8 x, v8 y) { return _mm512_srav_epi64(_mm512_add_epi64(_mm512_mul_epi32(x, y), half), shift); };
   const v8 even = one(n, r.even), odd = one(_mm512_srli_epi64(n, 32), r.odd);
   return _mm512_mask_mov_epi32(even, 0xAAAA, _mm512_slli_epi64(odd, 32));
-}
-
-// Positions have 14 bits of fraction then.
-SPANTEX_INLINE void divide(v16 e, v8 shift, v16& u, v16& v) {
-  const reciprocals16 r = reciprocal16(e);
-  u = by_divide16(u, r, shift);
-  v = by_divide16(v, r, shift);
 }
 
 // A linear form's values of a span's quads, asked for one after another.
@@ -119,38 +110,91 @@ struct forms_first {
   }
 };
 
-// A span's positions, quad by quad: each_quad(n, u, v, e, slopes) is told of each.
+// What linear forms are divided by, found of their slopes: q of a series; reciprocals, joined.
+template <int Terms>
+SPANTEX_INLINE v16 divisors_of(const batch& b, int k, v16 e, const slopes16& w) {
+  if constexpr (Terms == divide_terms) return reciprocal16(slope_of(e, b.slope_log2[k])).joined();
+  else return series16<Terms>(w.e16, w.square, set32(b.series_drop[k]));
+}
+
+// Positions have 14 bits of fraction where they are divided.
+template <evaluation How>
+SPANTEX_INLINE void divide(const batch& b, int k, v16 divisors, v16& u, v16& v) {
+  if constexpr (How == evaluation::series) {
+    const v16 drop = set32(b.series_drop[k]);
+    u = by_series16(u, divisors, drop);
+    v = by_series16(v, divisors, drop);
+  } else if constexpr (How == evaluation::divide) {
+    const reciprocals16 r = halves_of(divisors);
+    const v8 shift = set(b.exponent[k] - q.coordinate_bits + q.reciprocal_bits);
+    u = by_divide16(u, r, shift);
+    v = by_divide16(v, r, shift);
+  }
+}
+
+// A span's positions, quad by quad: each_quad(n, u, v, of_slopes(e, slopes)).
 template <int Terms, class Forms>
-SPANTEX_INLINE void evaluate(const batch& b, int k, Forms& forms, auto&& each_quad) {
-  const v16 drop = set32(b.series_drop[k]);
+SPANTEX_INLINE void evaluate_quads(const batch& b, int k, Forms& forms, auto&& of_slopes, auto&& each_quad) {
 #pragma GCC unroll 4
   for (int n = 0; n < quads; ++n) {
     v16 u = forms.u.of(n), v = forms.v.of(n);
     const v16 e = forms.e.of(n);
     const slopes16 w(e);
-    if constexpr (Terms == divide_terms) divide(slope_of(e, b.slope_log2[k]), set(b.exponent[k] - q.coordinate_bits + q.reciprocal_bits), u, v);
-    else if constexpr (Terms > 0) divide_by_series<Terms>(drop, w, u, v);
-    each_quad(n, u, v, e, w);
-  }
-}
-template <class Forms>
-SPANTEX_INLINE void evaluate(const batch& b, int k, auto&& each_quad) {
-  static_assert(most_series_terms == 4 && divide_terms == 5);
-  Forms forms(b, k);
-  switch (b.terms[k]) {
-    case 0: return evaluate<0>(b, k, forms, each_quad);
-    case 1: return evaluate<1>(b, k, forms, each_quad);
-    case 2: return evaluate<2>(b, k, forms, each_quad);
-    case 3: return evaluate<3>(b, k, forms, each_quad);
-    case 4: return evaluate<4>(b, k, forms, each_quad);
-    default: return evaluate<divide_terms>(b, k, forms, each_quad);
+    if constexpr (Terms > 0) divide<Terms == divide_terms ? evaluation::divide : evaluation::series>(b, k, divisors_of<Terms>(b, k, e, w), u, v);
+    each_quad(n, u, v, of_slopes(e, w));
   }
 }
 
+// The same where slopes vary along one axis alone: what is found of them is found once, of eight rows or columns.
+SPANTEX_INLINE v16 slopes_along(const batch& b, int k) { return _mm512_broadcast_i64x4(_mm256_load_si256(reinterpret_cast<const __m256i*>(b.slopes[k]))); }
+SPANTEX_INLINE v16 of_quad(const batch& b, int n, v16 x) { return _mm512_permutexvar_epi32(_mm512_load_si512(b.slope_of[n]), x); }
+template <evaluation How, class Forms>
+SPANTEX_INLINE void evaluate_along(const batch& b, int k, Forms& forms, v16 divisors, v16 found, auto&& each_quad) {
+#pragma GCC unroll 4
+  for (int n = 0; n < quads; ++n) {
+    v16 u = forms.u.of(n), v = forms.v.of(n);
+    if constexpr (How != evaluation::affine) divide<How>(b, k, of_quad(b, n, divisors), u, v);
+    each_quad(n, u, v, of_quad(b, n, found));
+  }
+}
 template <class Forms>
+SPANTEX_INLINE void evaluate_along(const batch& b, int k, Forms& forms, auto&& of_slopes, auto&& each_quad) {
+  const v16 e = slopes_along(b, k);
+  const slopes16 w(e);
+  const v16 found = of_slopes(e, w);
+  const auto by_series = [&]<int Terms>() SPANTEX_INLINED { return divisors_of<Terms>(b, k, e, w); };
+  v16 r;
+  switch (b.terms[k]) {
+    case 0: return evaluate_along<evaluation::affine>(b, k, forms, e, found, each_quad);
+    case 1: r = by_series.template operator()<1>(); break;
+    case 2: r = by_series.template operator()<2>(); break;
+    case 3: r = by_series.template operator()<3>(); break;
+    case 4: r = by_series.template operator()<4>(); break;
+    default: return evaluate_along<evaluation::divide>(b, k, forms, divisors_of<divide_terms>(b, k, e, w), found, each_quad);
+  }
+  evaluate_along<evaluation::series>(b, k, forms, r, found, each_quad);
+}
+
+// Along: of a filter whose slopes may vary along one axis alone (batch::slope_of).
+template <class Forms, bool Along = false>
+SPANTEX_INLINE void evaluate(const batch& b, int k, auto&& of_slopes, auto&& each_quad) {
+  static_assert(most_series_terms == 4 && divide_terms == 5);
+  Forms forms(b, k);
+  if (Along && b.slope_of != nullptr) return evaluate_along(b, k, forms, of_slopes, each_quad);
+  switch (b.terms[k]) {
+    case 0: return evaluate_quads<0>(b, k, forms, of_slopes, each_quad);
+    case 1: return evaluate_quads<1>(b, k, forms, of_slopes, each_quad);
+    case 2: return evaluate_quads<2>(b, k, forms, of_slopes, each_quad);
+    case 3: return evaluate_quads<3>(b, k, forms, of_slopes, each_quad);
+    case 4: return evaluate_quads<4>(b, k, forms, of_slopes, each_quad);
+    default: return evaluate_quads<divide_terms>(b, k, forms, of_slopes, each_quad);
+  }
+}
+
+template <class Forms, bool Along = false>
 SPANTEX_INLINE offsets offsets_of(const batch& b, int k) {
   offsets o;
-  evaluate<Forms>(b, k, [&](int n, v16 u, v16 v, v16 e, const slopes16&) SPANTEX_INLINED {
+  evaluate<Forms, Along>(b, k, [](v16 e, const slopes16&) SPANTEX_INLINED { return e; }, [&](int n, v16 u, v16 v, v16 e) SPANTEX_INLINED {
     o.u[n] = u;
     o.v[n] = v;
     o.e[n] = e;

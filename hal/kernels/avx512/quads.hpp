@@ -14,6 +14,7 @@ struct quad_cut {
   int32_t right_x, right_y, below_x, below_y;       // from quads 0 and 2 to 1 and 3; from 0 and 1 to 2 and 3
   int32_t half_x, half_y, centre_x, centre_y;       // how far pixels lie from their quad's centre, and that from the span's
   span_mask pixels[quads]{};
+  alignas(64) int32_t column[quads][16]{}, row[quads][16]{};  // lanes' in the span
   alignas(64) int32_t corners[16]{};                // a quad's first lane, the ends of its rows and columns, the last; and those of another quad's register
 
   constexpr quad_cut(int width, int height)
@@ -34,7 +35,11 @@ struct quad_cut {
     const int lanes[] = {0, width - 1, 16 - width, 15};
     for (int k = 0; k < 16; ++k) corners[k] = lanes[k / 4] + 16 * (k % 2);
     for (int quad = 0; quad < quads; ++quad)
-      for (int lane = 0; lane < 16; ++lane) pixels[quad] |= span_mask(1) << (span_side * y(quad, lane) + x(quad, lane));
+      for (int lane = 0; lane < 16; ++lane) {
+        column[quad][lane] = x(quad, lane);
+        row[quad][lane] = y(quad, lane);
+        pixels[quad] |= span_mask(1) << (span_side * y(quad, lane) + x(quad, lane));
+      }
   }
 };
 constexpr quad_cut cuts[] = {{4, 4}, {8, 2}, {2, 8}};
