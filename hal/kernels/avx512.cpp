@@ -186,7 +186,7 @@ SPANTEX_INLINE batch_levels find_levels(const row_work& work, const batch& b, ui
     __m128i least = _mm_setzero_si128();
     bool all_alike = true, all_alone = true, next_too = false;
     if ((spans & b.magnified) >> k & 1) {
-      take(offsets_of<forms_in_turn, true>(b, k), of[k]);  // their levels, all 0, are read of those alone that are drawn by themselves
+      take(offsets_of<quad_form, true>(b, k), of[k]);  // their levels, all 0, are read of those alone that are drawn by themselves
     } else if (spans >> k & 1) {
       b.slope_log2[k] > most_level_slope_log2 ? find_pixels<true>(b, k, lengths, of[k]) : find_pixels<false>(b, k, lengths, of[k]);
       least = settle<TwoLevels>(of[k].level, work.last_level, all_alike, all_alone);
@@ -209,7 +209,7 @@ SPANTEX_INLINE batch_levels find_facing_levels(const row_work& work, const batch
   put(each, level);
   for (int k = 0; k < batch_size; ++k) {
     if (!(spans >> k & 1)) continue;
-    take(offsets_of<forms_in_turn, true>(b, k), of[k]);
+    take(offsets_of<quad_form, true>(b, k), of[k]);
     for (v16& same : of[k].level) same = set32(each[k]);
   }
   const uint32_t all = (1u << batch_size) - 1;

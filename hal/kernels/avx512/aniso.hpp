@@ -64,7 +64,7 @@ SPANTEX_INLINE v16 axis_log2_16(v16 u, v16 v, int exponent) {
 }
 
 // What is found of quads' slopes w - 1, u2.30.
-SPANTEX_INLINE void of_slopes(const batch& b, int k, const offsets& o, auto&& found, v16 (&out)[quads]) {
+SPANTEX_INLINE void find_of_slopes(const batch& b, int k, const offsets& o, auto&& found, v16 (&out)[quads]) {
   if (b.slope_of != nullptr) {
     const v16 each = found(slope_of(slopes_along(b, k), b.slope_log2[k]));
 #pragma GCC unroll 4
@@ -185,12 +185,12 @@ SPANTEX_INLINE bool draw_rows(const row_work& work, const batch& b, int k, const
   const int drop = b.axis_exponent[k] - 17;  // 3 or more
   v16 inverse[quads];
   if (b.terms[k] == 0) for (v16& each : inverse) each = of32<1 << q.reciprocal_bits>();
-  else of_slopes(b, k, o, [](v16 w) SPANTEX_INLINED { return reciprocal16(w).joined(); }, inverse);
+  else find_of_slopes(b, k, o, [](v16 w) SPANTEX_INLINED { return reciprocal16(w); }, inverse);
   v16 far_u[quads], far_v[quads];
   __mmask16 beyond = 0;
 #pragma GCC unroll 1
   for (int n = 0; n < quads; ++n) {
-    const reciprocals16 r = halves_of(inverse[n]);
+    const reciprocals16 r(inverse[n]);
     const lengths32 u = over_square(nu[n], r, drop), v = over_square(nv[n], r, drop);
     const __mmask16 opposed = _mm512_movepi32_mask(_mm512_xor_si512(nu[n], nv[n]));  // rows are symmetric: only whether their signs are alike matters
     for (int at = 0; 2 * at < s.most; ++at) {
@@ -236,9 +236,9 @@ SPANTEX_INLINE bool draw_aniso(const row_work& work, const batch& b, int k) {
   const bool flat = b.level >> k & 1;
   row_span span;
   span.pixels = &span.own;
-  offsets o = offsets_of<forms_in_turn, true>(b, k);
+  offsets o = offsets_of<quad_form, true>(b, k);
   v16 log_w[quads] = {};
-  if (!flat) of_slopes(b, k, o, [](v16 w) SPANTEX_INLINED { return _mm512_sub_epi32(log2_of(_mm512_add_epi32(w, of32<1 << 30>())), of32<30 << 16>()); }, log_w);
+  if (!flat) find_of_slopes(b, k, o, [](v16 w) SPANTEX_INLINED { return _mm512_sub_epi32(log2_of(_mm512_add_epi32(w, of32<1 << 30>())), of32<30 << 16>()); }, log_w);
   v16 nu[quads], nv[quads], largest = _mm512_setzero_si512();
   const auto some_take = [&](v16 ratio) SPANTEX_INLINED { return _mm512_cmpge_epi32_mask(largest, ratio) != 0; };
   forms_of(b.axis_u, k, nu);

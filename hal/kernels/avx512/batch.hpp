@@ -66,12 +66,12 @@ struct alignas(64) batch_sections {
 struct alignas(64) batch {
   int32_t c_u[batch_size], a_u[batch_size], b_u[batch_size], c_v[batch_size], a_v[batch_size], b_v[batch_size];
   batch_forms u, v, e;                                   // of those; e 2^-slope_log2 takes the whole of 31 bits
-  alignas(64) int32_t slopes[batch_size][span_side];     // e of rows or columns, where it varies along one axis alone
-  const int32_t (*slope_of)[16];                         // which of them quads' lanes have; none where it varies along both
+  alignas(64) int32_t slopes[batch_size][span_side];     // instead of e, of filters with levels where it varies along one axis alone: rows' or columns'
+  const int32_t (*slope_of)[16];                         // which of them quads' lanes have; none where e is there
   batch_forms axis_u, axis_v;                            // aniso
   int32_t base_u[batch_size], base_v[batch_size];       // modulo the map's period
   int32_t origin_u[batch_size], origin_v[batch_size];   // before that
-  int32_t exponent[batch_size], slope_log2[batch_size] = {};  // read, as `magnified` is, of a batch of which nothing is drawn, before it is planned
+  int32_t exponent[batch_size], slope_log2[batch_size] = {};  // read, as `magnified` and whose lengths are longer is, of a batch of which nothing is drawn, before it is planned
   int32_t series_drop[batch_size];                       // 14 - s as of 32-bit lanes whose upper halves are multiplied: -2 - s
   int32_t terms[batch_size];                             // 0: affine, 1..4: series, 5: divide
   int32_t affine_log2[batch_size];                       // a position lies within 2^this texels of where it would if nothing were divided

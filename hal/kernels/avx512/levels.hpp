@@ -181,7 +181,7 @@ template <bool Steep>
 SPANTEX_INLINE void find_pixels(const batch& b, int k, const span_lengths& lengths, span_pixels& p) {
   v16 longest[quads];
   longest_of(b, k, lengths, longest);
-  evaluate<forms_in_turn, true>(b, k, level_of_slopes<Steep>(b, k), [&](int n, v16 u, v16 v, v16 log_w) SPANTEX_INLINED {
+  evaluate<quad_form, true>(b, k, level_of_slopes<Steep>(b, k), [&](int n, v16 u, v16 v, v16 log_w) SPANTEX_INLINED {
     p.u[n] = u;
     p.v[n] = v;
     p.level[n] = _mm512_srai_epi32(_mm512_sub_epi32(longest[n], log_w), 8);

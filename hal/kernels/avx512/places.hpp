@@ -108,7 +108,8 @@ SPANTEX_INLINE section_kinds find_sections(const planar_map& map, v16 levels, co
   const __mmask8 deep = __mmask8(more >> batch_size), high = __mmask8(higher >> batch_size), broad = __mmask8(more);
   const bool large = all || more != 0;
   if (High && deep != 0) {
-    // Loads of eight rows take half as long again where one of their halves lies across two lines of memory: rows begin at a multiple of four where they need no more eights for it.
+    // Loads of eight rows take half as long again where one of their halves lies across two lines of memory: rows begin at a multiple of four where they need no more eights for it,
+    // of a batch of which some need two (where none does, it costs as much as it saves).
 #pragma GCC unroll 4
     for (int n = 0; n < quads; ++n) {
       const v16 before = _mm512_maskz_and_epi32(rows, first[n], of32<3>()), class_changes = _mm512_xor_si512(sizes[n], _mm512_add_epi32(sizes[n], before));

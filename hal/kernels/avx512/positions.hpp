@@ -41,22 +41,22 @@ struct slopes16 {
   SPANTEX_INLINE explicit slopes16(v16 e) : e16(slope16(e)), square(_mm512_madd_epi16(e16, e16)) {}
 };
 
-// 1/w of sixteen pixels, u1.30, in the lower halves of the even and of the odd lanes' 64 bits; what is above is anything.
-struct reciprocals16 {
-  v8 even, odd;
-  // The odd ones above the even ones: both in 32-bit lanes.
-  SPANTEX_INLINE v16 joined() const { return _mm512_mask_mov_epi32(even, 0xAAAA, _mm512_slli_epi64(odd, 32)); }
-};
-SPANTEX_INLINE reciprocals16 halves_of(v16 joined) { return {joined, _mm512_srli_epi64(joined, 32)}; }
-SPANTEX_INLINE reciprocals16 reciprocal16(v16 e) {  // reciprocal_of_w(w, 30)
+// 1/w of sixteen pixels, u1.30.
+SPANTEX_INLINE v16 reciprocal16(v16 e) {  // reciprocal_of_w(w, 30)
   const v16 w = _mm512_add_epi32(e, of32<1 << 30>()), twice = _mm512_add_epi32(w, w);
   const __mmask16 large = _mm512_cmpge_epu32_mask(w, of32<1 << 30>());
   const v16 m = _mm512_mask_mov_epi32(_mm512_add_epi32(twice, twice), large, twice), seed = reciprocal_seeds16(m);
   const v8 even = newton8(m, _mm512_maskz_mov_epi32(0x5555, seed)), odd = newton8(_mm512_srli_epi64(m, 32), _mm512_srli_epi64(seed, 32));
   const v16 y = _mm512_mask_mov_epi32(even, 0xAAAA, _mm512_slli_epi64(odd, 32));
-  const v16 t = _mm512_mask_srli_epi32(y, large, y, 1), r = _mm512_sub_epi32(t, _mm512_srli_epi32(t, 1));  // (y + 2) >> 2 where large, else (y + 1) >> 1
-  return {r, _mm512_srli_epi64(r, 32)};
+  const v16 t = _mm512_mask_srli_epi32(y, large, y, 1);
+  return _mm512_sub_epi32(t, _mm512_srli_epi32(t, 1));  // (y + 2) >> 2 where large, else (y + 1) >> 1
 }
+
+// Those of the even and of the odd lanes, in the lower halves of 64 bits; what is above is anything.
+struct reciprocals16 {
+  v8 even, odd;
+  SPANTEX_INLINE explicit reciprocals16(v16 all) : even(all), odd(_mm512_srli_epi64(all, 32)) {}
+};
 
 // n / w with 14 fraction bits, rounded, as for coordinate_bits.
 SPANTEX_INLINE v16 by_divide16(v16 n, const reciprocals16& r, v8 shift) {
@@ -93,27 +93,17 @@ SPANTEX_INLINE void forms_of(const batch_forms& f, int k, v16 (&out)[quads]) {
 SPANTEX_INLINE int bits_of(const batch& b, int k) { return b.terms[k] == divide_terms ? q.coordinate_bits : b.exponent[k]; }
 SPANTEX_INLINE uint32_t half_of(int bits) { return bits == q.coordinate_bits ? 0 : 1u << (bits - q.coordinate_bits - 1); }
 
-// The linear forms of a span's quads, in turn: all are more than there are registers where more is found of each. Or all first, so that they do not wait for each other.
-struct forms_in_turn {
-  quad_form u, v, e;
-  SPANTEX_INLINE forms_in_turn(const batch& b, int k) : u(b.u, k), v(b.v, k), e(b.e, k) {}
-};
-struct forms_first {
-  struct form {
-    v16 quad[quads];
-    SPANTEX_INLINE v16 of(int n) const { return quad[n]; }
-  } u, v, e;
-  SPANTEX_INLINE forms_first(const batch& b, int k) {
-    forms_of(b.u, k, u.quad);
-    forms_of(b.v, k, v.quad);
-    forms_of(b.e, k, e.quad);
-  }
+// All of them first, so that they do not wait for each other: of filters that find no more of each quad than there are registers for.
+struct whole_form {
+  v16 quad[quads];
+  SPANTEX_INLINE whole_form(const batch_forms& f, int k) { forms_of(f, k, quad); }
+  SPANTEX_INLINE v16 of(int n) const { return quad[n]; }
 };
 
-// What linear forms are divided by, found of their slopes: q of a series; reciprocals, joined.
+// What linear forms are divided by, found of their slopes: q of a series; reciprocals.
 template <int Terms>
 SPANTEX_INLINE v16 divisors_of(const batch& b, int k, v16 e, const slopes16& w) {
-  if constexpr (Terms == divide_terms) return reciprocal16(slope_of(e, b.slope_log2[k])).joined();
+  if constexpr (Terms == divide_terms) return reciprocal16(slope_of(e, b.slope_log2[k]));
   else return series16<Terms>(w.e16, w.square, set32(b.series_drop[k]));
 }
 
@@ -125,7 +115,7 @@ SPANTEX_INLINE void divide(const batch& b, int k, v16 divisors, v16& u, v16& v) 
     u = by_series16(u, divisors, drop);
     v = by_series16(v, divisors, drop);
   } else if constexpr (How == evaluation::divide) {
-    const reciprocals16 r = halves_of(divisors);
+    const reciprocals16 r(divisors);
     const v8 shift = set(b.exponent[k] - q.coordinate_bits + q.reciprocal_bits);
     u = by_divide16(u, r, shift);
     v = by_divide16(v, r, shift);
@@ -133,12 +123,13 @@ SPANTEX_INLINE void divide(const batch& b, int k, v16 divisors, v16& u, v16& v) 
 }
 
 // A span's positions, quad by quad: each_quad(n, u, v, of_slopes(e, slopes)).
-template <int Terms, class Forms>
-SPANTEX_INLINE void evaluate_quads(const batch& b, int k, Forms& forms, auto&& of_slopes, auto&& each_quad) {
+template <int Terms, class Form>
+SPANTEX_INLINE void evaluate_quads(const batch& b, int k, auto&& of_slopes, auto&& each_quad) {
+  Form form_u(b.u, k), form_v(b.v, k), form_e(b.e, k);
 #pragma GCC unroll 4
   for (int n = 0; n < quads; ++n) {
-    v16 u = forms.u.of(n), v = forms.v.of(n);
-    const v16 e = forms.e.of(n);
+    v16 u = form_u.of(n), v = form_v.of(n);
+    const v16 e = form_e.of(n);
     const slopes16 w(e);
     if constexpr (Terms > 0) divide<Terms == divide_terms ? evaluation::divide : evaluation::series>(b, k, divisors_of<Terms>(b, k, e, w), u, v);
     each_quad(n, u, v, of_slopes(e, w));
@@ -148,53 +139,52 @@ SPANTEX_INLINE void evaluate_quads(const batch& b, int k, Forms& forms, auto&& o
 // The same where slopes vary along one axis alone: what is found of them is found once, of eight rows or columns.
 SPANTEX_INLINE v16 slopes_along(const batch& b, int k) { return _mm512_broadcast_i64x4(_mm256_load_si256(reinterpret_cast<const __m256i*>(b.slopes[k]))); }
 SPANTEX_INLINE v16 of_quad(const batch& b, int n, v16 x) { return _mm512_permutexvar_epi32(_mm512_load_si512(b.slope_of[n]), x); }
-template <evaluation How, class Forms>
-SPANTEX_INLINE void evaluate_along(const batch& b, int k, Forms& forms, v16 divisors, v16 found, auto&& each_quad) {
+template <evaluation How, class Form>
+SPANTEX_INLINE void evaluate_along(const batch& b, int k, v16 divisors, v16 found, auto&& each_quad) {
+  Form form_u(b.u, k), form_v(b.v, k);
 #pragma GCC unroll 4
   for (int n = 0; n < quads; ++n) {
-    v16 u = forms.u.of(n), v = forms.v.of(n);
+    v16 u = form_u.of(n), v = form_v.of(n);
     if constexpr (How != evaluation::affine) divide<How>(b, k, of_quad(b, n, divisors), u, v);
     each_quad(n, u, v, of_quad(b, n, found));
   }
 }
-template <class Forms>
-SPANTEX_INLINE void evaluate_along(const batch& b, int k, Forms& forms, auto&& of_slopes, auto&& each_quad) {
+template <class Form>
+SPANTEX_INLINE void evaluate_along(const batch& b, int k, auto&& of_slopes, auto&& each_quad) {
   const v16 e = slopes_along(b, k);
   const slopes16 w(e);
   const v16 found = of_slopes(e, w);
-  const auto by_series = [&]<int Terms>() SPANTEX_INLINED { return divisors_of<Terms>(b, k, e, w); };
-  v16 r;
+  v16 divisors;
   switch (b.terms[k]) {
-    case 0: return evaluate_along<evaluation::affine>(b, k, forms, e, found, each_quad);
-    case 1: r = by_series.template operator()<1>(); break;
-    case 2: r = by_series.template operator()<2>(); break;
-    case 3: r = by_series.template operator()<3>(); break;
-    case 4: r = by_series.template operator()<4>(); break;
-    default: return evaluate_along<evaluation::divide>(b, k, forms, divisors_of<divide_terms>(b, k, e, w), found, each_quad);
+    case 0: return evaluate_along<evaluation::affine, Form>(b, k, e, found, each_quad);
+    case 1: divisors = divisors_of<1>(b, k, e, w); break;
+    case 2: divisors = divisors_of<2>(b, k, e, w); break;
+    case 3: divisors = divisors_of<3>(b, k, e, w); break;
+    case 4: divisors = divisors_of<4>(b, k, e, w); break;
+    default: return evaluate_along<evaluation::divide, Form>(b, k, divisors_of<divide_terms>(b, k, e, w), found, each_quad);
   }
-  evaluate_along<evaluation::series>(b, k, forms, r, found, each_quad);
+  evaluate_along<evaluation::series, Form>(b, k, divisors, found, each_quad);
 }
 
 // Along: of a filter whose slopes may vary along one axis alone (batch::slope_of).
-template <class Forms, bool Along = false>
+template <class Form, bool Along = false>
 SPANTEX_INLINE void evaluate(const batch& b, int k, auto&& of_slopes, auto&& each_quad) {
   static_assert(most_series_terms == 4 && divide_terms == 5);
-  Forms forms(b, k);
-  if (Along && b.slope_of != nullptr) return evaluate_along(b, k, forms, of_slopes, each_quad);
+  if (Along && b.slope_of != nullptr) return evaluate_along<Form>(b, k, of_slopes, each_quad);
   switch (b.terms[k]) {
-    case 0: return evaluate_quads<0>(b, k, forms, of_slopes, each_quad);
-    case 1: return evaluate_quads<1>(b, k, forms, of_slopes, each_quad);
-    case 2: return evaluate_quads<2>(b, k, forms, of_slopes, each_quad);
-    case 3: return evaluate_quads<3>(b, k, forms, of_slopes, each_quad);
-    case 4: return evaluate_quads<4>(b, k, forms, of_slopes, each_quad);
-    default: return evaluate_quads<divide_terms>(b, k, forms, of_slopes, each_quad);
+    case 0: return evaluate_quads<0, Form>(b, k, of_slopes, each_quad);
+    case 1: return evaluate_quads<1, Form>(b, k, of_slopes, each_quad);
+    case 2: return evaluate_quads<2, Form>(b, k, of_slopes, each_quad);
+    case 3: return evaluate_quads<3, Form>(b, k, of_slopes, each_quad);
+    case 4: return evaluate_quads<4, Form>(b, k, of_slopes, each_quad);
+    default: return evaluate_quads<divide_terms, Form>(b, k, of_slopes, each_quad);
   }
 }
 
-template <class Forms, bool Along = false>
+template <class Form, bool Along = false>
 SPANTEX_INLINE offsets offsets_of(const batch& b, int k) {
   offsets o;
-  evaluate<Forms, Along>(b, k, [](v16 e, const slopes16&) SPANTEX_INLINED { return e; }, [&](int n, v16 u, v16 v, v16 e) SPANTEX_INLINED {
+  evaluate<Form, Along>(b, k, [](v16 e, const slopes16&) SPANTEX_INLINED { return e; }, [&](int n, v16 u, v16 v, v16 e) SPANTEX_INLINED {
     o.u[n] = u;
     o.v[n] = v;
     o.e[n] = e;

@@ -36,7 +36,7 @@ SPANTEX_INLINE void keep_bits(const batch& b, int k, offsets& o) {
 template <int Channels>
 SPANTEX_INLINE bool draw_bilinear(const row_work& work, const batch& b, int k) {
   const planar_map& map = *work.texels;
-  offsets o = offsets_of<forms_in_turn>(b, k);
+  offsets o = offsets_of<quad_form>(b, k);
   sampling<up_of_one> from;
   colouring as;
   v16 out[quads];
@@ -129,7 +129,7 @@ SPANTEX_INLINE void draw_beyond(const row_work& work, int32_t sx, span_mask mask
 template <bool Gathers>
 SPANTEX_INLINE void draw_nearest(const row_work& work, const batch& b, int k, int32_t soon) {
   const planar_map& map = *work.texels;
-  offsets o = offsets_of<forms_first>(b, k);
+  offsets o = offsets_of<whole_form>(b, k);
   if (!(b.placed >> k & 1)) [[unlikely]] return draw_beyond<Gathers, cut::square>(work, b.sx + k, work.masks[b.first + k], [&](int n) SPANTEX_INLINED { return positions_of(b, k, o, n); });
   v16 out[quads];
   const v16 column_bits = set32(b.column_bits[k]), row_bits = set32(b.row_bits[k]);
