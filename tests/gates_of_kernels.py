@@ -198,7 +198,7 @@ if "avx512_vbmi2" in pathlib.Path("/proc/cpuinfo").read_text():
         ("AVX-512: sixteen columns of a coarse level from eight", "hal/kernels/avx512/places.hpp", "p.coarse_broad |= found.broad & ~without;", "(void)without;", "kernels", "random_planes*", KERNELS),
         ("AVX-512: flat quads written as square ones", "hal/kernels/avx512/filters.hpp", "if (how == cut::flat) {", "if (false) {", "kernels", "minified_planes*", KERNELS),
         ("AVX-512: tall quads written as square ones", "hal/kernels/avx512/filters.hpp", "} else if (how == cut::tall) {", "} else if (false) {", "kernels", "random_planes*", KERNELS),
-        ("AVX-512: levels of tall quads from the rows of flat ones", "hal/kernels/avx512/levels.hpp", "} else if (how == cut::flat) {", "} else if (true) {", "kernels", "random_planes*", KERNELS),
+        ("AVX-512: levels of tall quads from the rows of square ones", "hal/kernels/avx512/levels.hpp", "const quad_cut& quad = cut_of(b.how);", "const quad_cut& quad = cut_of(cut::square);", "kernels", "random_planes*", KERNELS),
         ("AVX-512: corners of tall quads from square ones", "hal/kernels/avx512/quads.hpp", "{0, width - 1, 16 - width, 15}", "{0, 3, 12, 15}", "kernels", "random_planes*", KERNELS),
         ("AVX-512: tall quads' centres where square ones lie", "hal/kernels/avx512/quads.hpp", "right_x = 2 * x(1, 0);", "right_x = 8;", "kernels", "random_planes*", KERNELS),
         ("AVX-512: rows of a span's sections counted from the base", "hal/kernels/avx512/positions.hpp", "begin_four(from_v + after * quads, row, texel);", "begin_four(from_v + after * quads, row, _mm_set1_epi32(32));", "kernels", "random_planes*", KERNELS),

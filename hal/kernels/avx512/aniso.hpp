@@ -184,8 +184,11 @@ SPANTEX_INLINE bool draw_rows(const row_work& work, const batch& b, int k, const
   constexpr int32_t half_of_longest = longest_row << 15;
   const int drop = b.axis_exponent[k] - 17;  // 3 or more
   v16 inverse[quads];
-  if (b.terms[k] == 0) for (v16& each : inverse) each = of32<1 << q.reciprocal_bits>();
-  else find_of_slopes(b, k, o, [](v16 w) SPANTEX_INLINED { return reciprocal16(w); }, inverse);
+  if (b.terms[k] == 0) {
+    for (v16& each : inverse) each = of32<1 << q.reciprocal_bits>();
+  } else {
+    find_of_slopes(b, k, o, [](v16 slope) SPANTEX_INLINED { return reciprocal16(slope); }, inverse);
+  }
   v16 far_u[quads], far_v[quads];
   __mmask16 beyond = 0;
 #pragma GCC unroll 1
@@ -238,7 +241,7 @@ SPANTEX_INLINE bool draw_aniso(const row_work& work, const batch& b, int k) {
   span.pixels = &span.own;
   offsets o = offsets_of<quad_form, true>(b, k);
   v16 log_w[quads] = {};
-  if (!flat) find_of_slopes(b, k, o, [](v16 w) SPANTEX_INLINED { return _mm512_sub_epi32(log2_of(_mm512_add_epi32(w, of32<1 << 30>())), of32<30 << 16>()); }, log_w);
+  if (!flat) find_of_slopes(b, k, o, [](v16 slope) SPANTEX_INLINED { return log2_of_w(slope); }, log_w);
   v16 nu[quads], nv[quads], largest = _mm512_setzero_si512();
   const auto some_take = [&](v16 ratio) SPANTEX_INLINED { return _mm512_cmpge_epi32_mask(largest, ratio) != 0; };
   forms_of(b.axis_u, k, nu);

@@ -71,7 +71,7 @@ struct alignas(64) batch {
   batch_forms axis_u, axis_v;                            // aniso
   int32_t base_u[batch_size], base_v[batch_size];       // modulo the map's period
   int32_t origin_u[batch_size], origin_v[batch_size];   // before that
-  int32_t exponent[batch_size], slope_log2[batch_size] = {};  // read, as `magnified` and whose lengths are longer is, of a batch of which nothing is drawn, before it is planned
+  int32_t exponent[batch_size], slope_log2[batch_size] = {};  // read, like `magnified`, `rows_longer` and `columns_longer`, of a batch of which nothing is drawn, before it is planned
   int32_t series_drop[batch_size];                       // 14 - s as of 32-bit lanes whose upper halves are multiplied: -2 - s
   int32_t terms[batch_size];                             // 0: affine, 1..4: series, 5: divide
   int32_t affine_log2[batch_size];                       // a position lies within 2^this texels of where it would if nothing were divided

@@ -135,31 +135,17 @@ SPANTEX_INLINE __m128i least_level_of(const v16 (&level)[quads], bool& next_too)
 
 // Each pixel's longer one of its row's and its column's length.
 SPANTEX_INLINE void longest_of(const batch& b, int k, const span_lengths& of_spans, v16 (&out)[quads]) {
-  const cut how = b.how;
+  const quad_cut& quad = cut_of(b.how);
   const v16 lengths = _mm512_load_si512(of_spans.of[k]);
-  if (of_spans.longer >> k & 1) {
-    const auto& lanes = b.rows_longer >> k & 1 ? cut_of(how).row : cut_of(how).column;
+  const auto each = [](const int32_t (&lanes)[16], v16 of) SPANTEX_INLINED { return _mm512_permutexvar_epi32(_mm512_load_si512(lanes), of); };
+  if (of_spans.longer >> k & 1) [[likely]] {
+    const auto& lanes = b.rows_longer >> k & 1 ? quad.row : quad.column;
 #pragma GCC unroll 4
-    for (int n = 0; n < quads; ++n) out[n] = _mm512_permutexvar_epi32(_mm512_load_si512(lanes[n]), lengths);
-    return;
-  }
-  const auto of = [&](v16 lanes, int first) SPANTEX_INLINED { return _mm512_permutexvar_epi32(_mm512_add_epi32(lanes, set32(first)), lengths); };
-  constexpr int columns = span_side;
-  if (how == cut::square) [[likely]] {
-    const v16 row = _mm512_setr_epi32(0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3), column = _mm512_setr_epi32(0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3);
-    const v16 top = of(row, 0), bottom = of(row, 4), left = of(column, columns), right = of(column, columns + 4);
-    out[0] = _mm512_max_epi32(top, left);
-    out[1] = _mm512_max_epi32(top, right);
-    out[2] = _mm512_max_epi32(bottom, left);
-    out[3] = _mm512_max_epi32(bottom, right);
-  } else if (how == cut::flat) {
-    const v16 all = of(_mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7), columns), row = _mm512_setr_epi32(0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1);
-#pragma GCC unroll 4
-    for (int n = 0; n < quads; ++n) out[n] = _mm512_max_epi32(of(row, 2 * n), all);
+    for (int n = 0; n < quads; ++n) out[n] = each(lanes[n], lengths);
   } else {
-    const v16 all = of(_mm512_setr_epi32(0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 5, 5, 6, 6, 7, 7), 0), column = _mm512_setr_epi32(0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1);
+    const v16 of_columns = _mm512_shuffle_i64x2(lengths, lengths, 0x4E);
 #pragma GCC unroll 4
-    for (int n = 0; n < quads; ++n) out[n] = _mm512_max_epi32(of(column, columns + 2 * n), all);
+    for (int n = 0; n < quads; ++n) out[n] = _mm512_max_epi32(each(quad.row[n], lengths), each(quad.column[n], of_columns));
   }
 }
 
@@ -170,7 +156,7 @@ struct level_of_slopes {
   int slope_log2;
   SPANTEX_INLINE level_of_slopes(const batch& b, int k) : square_drop(set32(b.series_drop[k] + 1)), log_drop(set32(b.series_drop[k] + 13)), slope_log2(b.slope_log2[k]) {}
   SPANTEX_INLINE v16 operator()(v16 e, const slopes16& w) const {
-    if constexpr (Steep) return _mm512_slli_epi32(_mm512_sub_epi32(log2_of(_mm512_add_epi32(slope_of(e, slope_log2), of32<1 << 30>())), of32<30 << 16>()), 1);
+    if constexpr (Steep) return _mm512_slli_epi32(log2_of_w(slope_of(e, slope_log2)), 1);
     const v16 t = upper_difference(w.e16, _mm512_srav_epi32(w.square, square_drop));
     return _mm512_srav_epi32(_mm512_madd_epi16(t, of32<int32_t(level_factor.raw()) << 16>()), log_drop);
   }

@@ -27,6 +27,9 @@ SPANTEX_INLINE v16 log2_of(v16 x) {
   return log2_of_bits(_mm512_sllv_epi32(x, zeros), _mm512_sub_epi32(of32<31>(), zeros));
 }
 
+// Of w, told of w - 1, both u2.30.
+SPANTEX_INLINE v16 log2_of_w(v16 slope) { return _mm512_sub_epi32(log2_of(_mm512_add_epi32(slope, of32<1 << 30>())), of32<30 << 16>()); }
+
 // level.hpp: level_term(), in 2^-16.
 SPANTEX_INLINE v16 level_term16(v16 level) {
   const v16 term = _mm512_srai_epi32(_mm512_add_epi32(level, of32<32>()), 6);
