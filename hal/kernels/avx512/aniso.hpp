@@ -160,7 +160,7 @@ struct row_blender : blending<true> {
       v16 fine[Channels], coarse[Channels];
       blended16(section_after<0, Fine>(blocks, s, n), now.fine, rounding, fine, rounding);
       if constexpr (Levels == taken::all) {
-        asm volatile("" ::: "memory");  // as in quad_blender
+        asm volatile("" ::: "memory");  // addresses of two levels at once, and sums besides, are more than there are registers
         blended16(section_after<1, row_span::after<Fine>>(blocks, s, n), samples16<row_span::after<Fine>>(from, snapped_on<Scaled, 1>(s, from, at.u, at.v, n)), rounding, coarse, rounding);
       }
       if (k + 1 < s.most) now = begin(s, n, k + 1);

@@ -5,7 +5,6 @@
 // A span whose quads' sections are placed from its pixels.
 struct level_span {
   template <held_in Fine> static constexpr held_in after = Fine == held_in::shallow ? held_in::shallow : held_in::narrow;  // texels of the levels after the fine one
-  template <int After> static constexpr int more_bits = 0;  // of fraction, of snapped positions on a level
   SPANTEX_INLINE int32_t first_of(int n) const { return first_level[n]; }
   span_pixels* pixels;
   int bits;                           // of the offsets
@@ -28,7 +27,6 @@ struct placed_span {
   int k;
   static constexpr uint32_t fit = 0xF;
   template <held_in> static constexpr held_in after = After;
-  template <int Levels> static constexpr int more_bits = Levels + 1;
   SPANTEX_INLINE int32_t first_of(int) const { return at.level[k]; }
 };
 
@@ -39,7 +37,6 @@ struct placed_scaled_span {
   int k;
   static constexpr uint32_t fit = 0xF;
   template <held_in> static constexpr held_in after = held_in::shallow;
-  template <int> static constexpr int more_bits = 0;
 };
 
 // Whole levels of pixels.
@@ -153,12 +150,12 @@ SPANTEX_INLINE void place_scaled_span(const row_work& work, const batch& b, int 
 // What a span's quads take: one level, no pixel any other; or as many as the filter takes; or one more, as some quad's pixels lie on two whole levels.
 enum class taken : uint8_t { one, all, more };
 
-// What all quads of a span take.
-template <bool TwoLevels>
+// What all quads of a span take. More: bits of fraction that positions on its levels have beyond those that they are snapped to.
+template <bool TwoLevels, int More = 0>
 struct blending {
   static constexpr int up = TwoLevels ? up_between : up_of_one;
   const uint8_t* blocks;
-  sampling<up> from;
+  sampling<up, More> from;
   colouring as;
   v16 rounding, of_last;  // of channels, and of one that has alpha
   SPANTEX_INLINE explicit blending(const uint8_t* of) : blocks(of), rounding(rounding_of<TwoLevels>(false)), of_last(rounding_of<TwoLevels>(true)) {}
@@ -189,7 +186,8 @@ template <bool Scaled, int After, class C>
 SPANTEX_INLINE v16 snapped_after(const placed_scaled_span& s, const C& c, v16, int n) { return snapped_on<Scaled, After>(s, c, s.pixels->u[n], s.pixels->v[n], n); }
 template <bool Scaled, int After, class C, held_in Coarser>
 SPANTEX_INLINE v16 snapped_after(const placed_span<Coarser>& s, const C&, v16 fine, int n) {
-  return _mm512_add_epi16(fine, set32((After == 1 ? s.at.to_coarse : s.at.to_next)[n][s.k]));
+  if constexpr (After == 1) return _mm512_avg_epu16(fine, set32(s.at.to_coarse[n][s.k]));
+  else return _mm512_srli_epi16(_mm512_add_epi16(fine, set32(s.at.to_next[n][s.k])), After);
 }
 
 // Their sections.
@@ -201,17 +199,18 @@ template <int After, held_in Where>
 SPANTEX_INLINE auto section_after(const uint8_t* blocks, const placed_scaled_span& s, int n) { return section_of<Where>(blocks, s.at.on[After].sections, s.k, n); }
 
 // How a span's quads are drawn. Whether the fine sections are as narrow as the coarse ones is much the same from one span to the next.
-template <bool TwoLevels, taken Levels, int Channels, held_in Fine, bool Scaled = false>
-struct quad_blender : blending<TwoLevels> {
-  SPANTEX_INLINE explicit quad_blender(const uint8_t* of) : blending<TwoLevels>(of) {}
-  using blending<TwoLevels>::up, blending<TwoLevels>::blocks, blending<TwoLevels>::from, blending<TwoLevels>::as, blending<TwoLevels>::rounding, blending<TwoLevels>::of_last;
+template <bool TwoLevels, taken Levels, int Channels, held_in Fine, bool Scaled = false, int More = 0>
+struct quad_blender : blending<TwoLevels, More> {
+  using what_all_take = blending<TwoLevels, More>;
+  SPANTEX_INLINE explicit quad_blender(const uint8_t* of) : what_all_take(of) {}
+  using what_all_take::up, what_all_take::blocks, what_all_take::from, what_all_take::as, what_all_take::rounding, what_all_take::of_last;
 
   // A quad's positions on its fine level, and what is fetched there.
   struct begun { v16 at; samples fine; };
   template <class Span>
   SPANTEX_INLINE begun begin(const Span& s, int n) const {
     const v16 at = snapped_on<Scaled, 0>(s, from, s.pixels->u[n], s.pixels->v[n], n);
-    return {at, samples16<Fine, Span::template more_bits<0>>(from, at)};
+    return {at, samples16<Fine>(from, at)};
   }
 
   // The rest; in its midst there is time for something else.
@@ -243,12 +242,11 @@ struct quad_blender : blending<TwoLevels> {
   }
 
  private:
-  // On the level that lies so many after the fine one; after what was read before: addresses of two levels at once are more than there are registers.
+  // On the level that lies so many after the fine one.
   template <int After, class Span>
   SPANTEX_INLINE void blended_on(const Span& s, int n, v16 at, v16 (&out)[Channels]) const {
-    asm volatile("" ::: "memory");
     constexpr held_in where = Span::template after<Fine>;
-    blended16(section_after<After, where>(blocks, s, n), samples16<where, Span::template more_bits<After>>(from, snapped_after<Scaled, After>(s, from, at, n)), rounding, out, of_last);
+    blended16(section_after<After, where>(blocks, s, n), samples16<where>(from, snapped_after<Scaled, After>(s, from, at, n)), rounding, out, of_last);
   }
 };
 
@@ -348,7 +346,7 @@ SPANTEX_INLINE void by_places(const auto& p, int k, bool alone, auto&& blended) 
 
 template <bool TwoLevels, int Channels, taken Levels, held_in Fine, held_in After>
 SPANTEX_INLINE void blend_placed(const row_work& work, const batch& b, int k, const span_pixels& pixels, const batch_places& p) {
-  blend_span<quad_blender<TwoLevels, Levels, Channels, Fine>>(work, b, k, placed_span<After>{&pixels, p, k});
+  blend_span<quad_blender<TwoLevels, Levels, Channels, Fine, false, batch_places::more_bits>>(work, b, k, placed_span<After>{&pixels, p, k});
 }
 
 // Those that are on two whole levels, have more than sixteen rows of the fine one, or more than eight rows or columns of coarser ones. Seldom called: see blend_some().

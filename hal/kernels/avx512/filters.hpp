@@ -19,28 +19,27 @@ struct samples {
 // For multishift: the same of both pixels of a 64-bit lane.
 constexpr int64_t fields(int64_t offsets_of_a_pixel) { return offsets_of_a_pixel | ((offsets_of_a_pixel + 0x20202020) << 32); }
 
-// Where a position's numbers lie, of which it has so many bits of fraction more than it is snapped to. High: rows have five bits, not four.
-template <int Up, int More, bool High>
-struct sample_fields {
-  static constexpr int64_t from = 16 + More - Up;
-  SPANTEX_INLINE static v16 fractions() { return of32<0x007F007F << More>(); }
-  SPANTEX_INLINE static v16 texels() { return of32<(High ? 0x0F800780 : 0x07800780) << More>(); }
-  SPANTEX_INLINE static v16 texel() { return of64<fields(0x01010101 * (7 + More))>(); }
-  SPANTEX_INLINE static v16 u() { return of64<fields(0x01010101 * More)>(); }
-  SPANTEX_INLINE static v16 v() { return of64<fields(from | (from + 8) << 8 | from << 16 | (from + 8) << 24)>(); }
-};
-
-// What all samples take, made once, so that it stays in registers: compilers make constants anew where they are needed.
-template <int Up>
+// What all samples take, made once, so that it stays in registers: compilers make constants anew where they are needed, and on Zen 4 a load takes longer than what it is for.
+// More: bits of fraction that positions have beyond those that they are snapped to.
+template <int Up, int More = 0>
 struct sampling {
+  static constexpr int32_t texel_bits = 0x07800780, texel_bits_of_high = 0x0F800780;  // of high sections rows have five bits, not four
   v16 next, all_u, all_v, row;
-  __mmask64 even;  // bytes or words
+  v16 fractions, texels;     // a position's bits
+  v16 at_texel, at_u, at_v;  // where its numbers lie
+  __mmask64 even;            // bytes or words
   SPANTEX_INLINE sampling() {
     constexpr int32_t all = 128 << Up;
     next = of32<0x09080100>();
     all_u = of32<int32_t(0x80808080)>();
     all_v = of32<all | all << 16>();
     row = of32<0x00080001>();
+    constexpr int64_t from = 16 + More - Up;
+    fractions = held(of32<0x007F007F << More>());
+    texels = held(of32<texel_bits << More>());
+    at_texel = held(of64<fields(0x01010101 * (7 + More))>());
+    at_u = held(of64<fields(0x01010101 * More)>());
+    at_v = held(of64<fields(from | (from + 8) << 8 | from << 16 | (from + 8) << 24)>());
     __mmask64 every_other = 0x5555555555555555;
     asm("" : "+k"(every_other));
     even = every_other;
@@ -56,19 +55,18 @@ SPANTEX_INLINE samples placed_in_broad(v16 first) {
   return s;
 }
 
-template <held_in Where, int More = 0, int Up>
-SPANTEX_INLINE samples samples16(const sampling<Up>& c, v16 at) {
+template <held_in Where, int Up, int More>
+SPANTEX_INLINE samples samples16(const sampling<Up, More>& c, v16 at) {
   constexpr bool high = Where == held_in::high;
-  using fields_of = sample_fields<Up, More, high>;
   samples s;
-  const v16 texels = _mm512_and_si512(at, fields_of::texels()), fractions = _mm512_and_si512(at, fields_of::fractions());
+  const v16 texels = _mm512_and_si512(at, high ? of32<sampling<Up, More>::texel_bits_of_high << More>() : c.texels), fractions = _mm512_and_si512(at, c.fractions);
   if constexpr (is_broad(Where)) {
-    s = placed_in_broad(_mm512_multishift_epi64_epi8(fields_of::texel(), _mm512_madd_epi16(texels, of32<0x00100001>())));
+    s = placed_in_broad(_mm512_multishift_epi64_epi8(c.at_texel, _mm512_madd_epi16(texels, of32<0x00100001>())));
   } else {
-    s.index = _mm512_add_epi8(_mm512_multishift_epi64_epi8(fields_of::texel(), _mm512_madd_epi16(texels, c.row)), c.next);
+    s.index = _mm512_add_epi8(_mm512_multishift_epi64_epi8(c.at_texel, _mm512_madd_epi16(texels, c.row)), c.next);
     s.second = high ? _mm512_movepi8_mask(s.index) : 0;
   }
-  const v16 u = _mm512_multishift_epi64_epi8(fields_of::u(), fractions), v = _mm512_multishift_epi64_epi8(fields_of::v(), fractions);
+  const v16 u = _mm512_multishift_epi64_epi8(c.at_u, fractions), v = _mm512_multishift_epi64_epi8(c.at_v, fractions);
   s.u = _mm512_mask_sub_epi8(u, c.even, c.all_u, u);
   s.v = _mm512_mask_sub_epi16(v, __mmask32(c.even), c.all_v, v);
   return s;

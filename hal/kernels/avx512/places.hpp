@@ -213,7 +213,9 @@ SPANTEX_WRAPS SPANTEX_INLINE void place_rows(const row_work& work, __mmask8 flat
 // (snapping).
 struct batch_places {
   batch_sections fine, coarse, next;
-  // One bit of fraction more than on the fine level: that leads to the coarser ones by an addition, in both halves of a lane.
+  // Positions have one bit of fraction more than they are snapped to. Those on the coarser level are half of them, those on the next one a quarter, once to_coarse or to_next is added in both halves of a lane:
+  // of to_coarse one less, since what halves is a mean of unsigned numbers, rounded up.
+  static constexpr int more_bits = 1;
   alignas(32) int32_t from_u[quads][batch_size], from_v[quads][batch_size], drop[batch_size], turn[batch_size], to_coarse[quads][batch_size], to_next[quads][batch_size];
   alignas(32) int32_t level[batch_size];       // the fine one
   alignas(32) int32_t excess[batch_size];      // bits of the offsets to be dropped first
@@ -258,12 +260,12 @@ SPANTEX_WRAPS SPANTEX_INLINE void place_spans(const row_work& work, const batch&
   put(p.excess, excess);
   put(p.drop, shift);
   put(p.turn, _mm256_sub_epi32(shift, _mm256_set1_epi32(16)));
-  // On the coarse level 2 and 256 take the place of 1 and 128, then 4 and 512; columns and rows are counted from others.
+  // Before they are halved 2 and 256 take the place of 1 and 128 on the coarse level, then 4 and 512; columns and rows are counted from others.
   const auto column = [](const batch_sections& s, int n) SPANTEX_INLINED { return _mm256_srai_epi32(got(s.shift[n]), 3); };
   const auto to = [&](const batch_sections& s, int n, int levels) SPANTEX_INLINED {
     const auto moved = [&](__m256i fine_first, __m256i first) SPANTEX_INLINED {
       const __m256i less = _mm256_sub_epi32(fine_first, _mm256_slli_epi32(first, levels));
-      return _mm256_add_epi32(_mm256_slli_epi32(less, q.subtexel_bits + 1), _mm256_set1_epi32(before_texel * ((1 << levels) - 1)));
+      return _mm256_add_epi32(_mm256_slli_epi32(less, q.subtexel_bits + batch_places::more_bits), _mm256_set1_epi32(before_texel * ((1 << levels) - 1) - (levels == 1)));
     };
     return _mm256_mask_mov_epi16(_mm256_slli_epi32(moved(got(p.fine.row[n]), got(s.row[n])), 16), 0x5555, moved(column(p.fine, n), column(s, n)));
   };
