@@ -105,7 +105,7 @@ class affine_planner {
     _mm512_store_si512(b.base, base);
     put(b.fraction, _mm512_castsi512_si256(fraction));
     put(b.scale, _mm512_castsi512_si256(scale));
-    const v16 of_axis = _mm512_add_epi32(scale, both_axes(0, batch_size)), first = of32<-texel_apron>(), last = both_axes(map_.rows_across() + texel_apron - block_side, map_.rows_down() + texel_apron - block_side);
+    const v16 of_axis = _mm512_add_epi32(scale, both_axes<0, batch_size>()), first = of32<-texel_apron>(), last = both_axes(map_.rows_across() + texel_apron - block_side, map_.rows_down() + texel_apron - block_side);
     __mmask16 held = Sections > 0 ? 0xFFFF : 0;
 #pragma GCC unroll 4
     for (int g = 0; g < Sections; ++g) {

@@ -5,6 +5,7 @@
 
 SPANTEX_INLINE v16 both_axes(__m256i u, __m256i v) { return _mm512_inserti64x4(_mm512_castsi256_si512(u), v, 1); }
 SPANTEX_INLINE v16 both_axes(int32_t u, int32_t v) { return both_axes(_mm256_set1_epi32(u), _mm256_set1_epi32(v)); }
+template <int32_t U, int32_t V> SPANTEX_INLINE v16 both_axes() { return _mm512_load_si512((number_of_axes<U, V>)); }
 
 // Where quads lie on level 0, s15.16, u in the lower eight lanes, v in the upper: so far to either side of their centres. A 64th of a texel holds every rounding. Mantissas
 // are below 2^30, the other margins as much again at most: a quarter of them is added up, so that 32 bits hold the sum.
@@ -62,7 +63,7 @@ struct section_kinds { __mmask8 here, deep, high, broad; };
 
 // What the axes have on each span's level.
 SPANTEX_INLINE v16 of_both_axes(v16 levels, const int32_t (&u)[max_planar_levels], const int32_t (&v)[max_planar_levels]) {
-  return _mm512_permutex2var_epi32(_mm512_load_si512(u), _mm512_or_si512(levels, both_axes(0, max_planar_levels)), _mm512_load_si512(v));
+  return _mm512_permutex2var_epi32(_mm512_load_si512(u), _mm512_or_si512(levels, both_axes<0, max_planar_levels>()), _mm512_load_si512(v));
 }
 
 // Sections of 2x2 texels on a level of each span, which begin anywhere: of 16x16 texels at most or, High, 8 columns of 24 rows.
@@ -76,14 +77,14 @@ SPANTEX_INLINE section_kinds find_sections(const planar_map& map, v16 levels, co
   const __m256i origin = _mm512_castsi512_si256(_mm512_permutexvar_epi32(levels, _mm512_load_si512(texels.origin)));
   // Columns of blocks are counted, and rows of texels.
   const auto counted = [&](v16 k) SPANTEX_INLINED { return _mm512_mask_srai_epi32(k, columns, k, 3); };
-  const v16 last_block = of_axes(texels.last_column, texels.last_row), last = _mm512_mask_slli_epi32(last_block, rows, last_block, 3), step = both_axes(1, block_side);
-  const auto held = [&](v16 k) SPANTEX_INLINED { return _mm512_max_epi32(_mm512_min_epi32(k, last), both_axes(-apron, -texel_apron)); };
+  const v16 last_block = of_axes(texels.last_column, texels.last_row), last = _mm512_mask_slli_epi32(last_block, rows, last_block, 3), step = both_axes<1, block_side>();
+  const auto held = [&](v16 k) SPANTEX_INLINED { return _mm512_max_epi32(_mm512_min_epi32(k, last), both_axes<-apron, -texel_apron>()); };
   const auto place_of = [&](v16 k) SPANTEX_INLINED {
     const v16 stacks = _mm512_mullo_epi32(_mm512_mask_srai_epi32(k, rows, k, stack_log2 + 3), bytes);
     return _mm512_mask_add_epi32(stacks, rows, stacks, _mm512_slli_epi32(_mm512_and_si512(k, of32<(block_side << stack_log2) - 1>()), 3));
   };
   const __mmask16 periodic = __mmask16((map.period_u() != 0 ? columns : 0) | (map.period_v() != 0 ? rows : 0));
-  const v16 most = both_axes(2 * block_side - 1, (High ? 3 : 2) * block_side - 1);
+  const v16 most = both_axes<2 * block_side - 1, (High ? 3 : 2) * block_side - 1>();
   v16 first[quads], sizes[quads];
   __mmask16 more = 0, higher = 0, bad = 0;
 #pragma GCC unroll 4

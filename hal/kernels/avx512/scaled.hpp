@@ -105,7 +105,7 @@ template <bool TwoLevels>
     constexpr int fewer = 16 - q.coordinate_bits;
     const v16 drop = _mm512_sub_epi32(scale.drop, of32<fewer>()), from = _mm512_srai_epi32(scale.rounding_from(), fewer), texel = _mm512_add_epi32(drop, of32<q.subtexel_bits>());
     _mm512_store_si512(to.ratio, scale.ratio);
-    _mm512_store_si512(to.drop, _mm512_sub_epi32(drop, both_axes(0, 16)));
+    _mm512_store_si512(to.drop, _mm512_sub_epi32(drop, both_axes<0, 16>()));
 #pragma GCC unroll 4
     for (int n = 0; n < quads; ++n) {
       const v16 first = both_axes(_mm256_srai_epi32(got(to.sections.shift[n]), 3), got(to.sections.row[n]));
