@@ -192,7 +192,7 @@ if "avx512_vbmi2" in pathlib.Path("/proc/cpuinfo").read_text():
         ("AVX-512: sections begun before what sixteen rows hold", "hal/kernels/avx512/places.hpp", "_mm512_testn_epi32_mask(class_changes, of32<-block_side>())", "__mmask16(0xFFFF)", "kernels", "walls*", KERNELS),
         ("AVX-512: nine columns from eight", "hal/kernels/avx512/places.hpp", "broad = __mmask8(more);", "broad = 0;", "kernels", "random_planes*", KERNELS),
         ("AVX-512: seventeen rows from sixteen", "hal/kernels/avx512/filters.hpp", "high ? _mm512_movepi8_mask(s.index) : 0", "0", "kernels", "sheared_and_magnified*", KERNELS),
-        ("AVX-512: rows of high sections modulo sixteen", "hal/kernels/avx512/filters.hpp", "high ? of32<sampling<Up, More>::texel_bits_of_high << More>() : c.texels", "c.texels", "kernels", "sheared_and_magnified*", KERNELS),
+        ("AVX-512: rows of high sections modulo sixteen", "hal/kernels/avx512/filters.hpp", "high ? of32<0x0F800780 << More>() : c.texels", "c.texels", "kernels", "sheared_and_magnified*", KERNELS),
         ("AVX-512: coarse positions rounded up as they are halved", "hal/kernels/avx512/places.hpp", " - (levels == 1)", "", "kernels", "random_planes*", KERNELS),
         ("AVX-512: a third level's positions halved once", "hal/kernels/avx512/by_level.hpp", "[n][s.k])), After);", "[n][s.k])), 1);", "kernels", "random_planes*", KERNELS),
         ("AVX-512: the third eight rows where the second lie", "hal/kernels/avx512/places.hpp", "held(_mm512_add_epi32(next, step))", "held(next)", "kernels", "sheared_and_magnified*", KERNELS),

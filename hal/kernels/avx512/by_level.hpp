@@ -150,32 +150,31 @@ SPANTEX_INLINE void place_scaled_span(const row_work& work, const batch& b, int 
 // What a span's quads take: one level, no pixel any other; or as many as the filter takes; or one more, as some quad's pixels lie on two whole levels.
 enum class taken : uint8_t { one, all, more };
 
-// What all quads of a span take. More: bits of fraction that positions on its levels have beyond those that they are snapped to.
+// What all quads of a span take; More as sampling's.
 template <bool TwoLevels, int More = 0>
 struct blending {
-  static constexpr int up = TwoLevels ? up_between : up_of_one;
   const uint8_t* blocks;
-  sampling<up, More> from;
+  sampling<TwoLevels ? up_between : up_of_one, More> from;
   colouring as;
   v16 rounding, of_last;  // of channels, and of one that has alpha
   SPANTEX_INLINE explicit blending(const uint8_t* of) : blocks(of), rounding(rounding_of<TwoLevels>(false)), of_last(rounding_of<TwoLevels>(true)) {}
 };
 
 // Positions on the level that lies so many after the fine one.
-template <bool Scaled, int After, class C>
-SPANTEX_INLINE v16 snapped_on(const level_span& s, const C& c, v16 u, v16 v, int n) {
+template <bool Scaled, int After, int Up>
+SPANTEX_INLINE v16 snapped_on(const level_span& s, const sampling<Up>& c, v16 u, v16 v, int n) {
   if constexpr (Scaled) return s.scaled[After].at(c, u, v, n);
   else return s.at.at(c, u, v, n + After * quads);
 }
-template <bool Scaled, int After, class C, held_in Coarser>
-SPANTEX_INLINE v16 snapped_on(const placed_span<Coarser>& s, const C& c, v16 u, v16 v, int n) {
+template <bool Scaled, int After, int Up, held_in Coarser>
+SPANTEX_INLINE v16 snapped_on(const placed_span<Coarser>& s, const sampling<Up, batch_places::more_bits>& c, v16 u, v16 v, int n) {
   static_assert(After == 0 && !Scaled);
   const batch_places& p = s.at;
   return snapped_by(c, u, v, p.from_u[n][s.k], p.from_v[n][s.k], p.drop[s.k], p.turn[s.k]);
 }
 
-template <bool Scaled, int After, class C>
-SPANTEX_INLINE v16 snapped_on(const placed_scaled_span& s, const C& c, v16 u, v16 v, int n) {
+template <bool Scaled, int After, int Up>
+SPANTEX_INLINE v16 snapped_on(const placed_scaled_span& s, const sampling<Up>& c, v16 u, v16 v, int n) {
   return s.at.on[After].at(c, u, v, s.k, n);
 }
 
@@ -203,7 +202,7 @@ template <bool TwoLevels, taken Levels, int Channels, held_in Fine, bool Scaled 
 struct quad_blender : blending<TwoLevels, More> {
   using what_all_take = blending<TwoLevels, More>;
   SPANTEX_INLINE explicit quad_blender(const uint8_t* of) : what_all_take(of) {}
-  using what_all_take::up, what_all_take::blocks, what_all_take::from, what_all_take::as, what_all_take::rounding, what_all_take::of_last;
+  using what_all_take::blocks, what_all_take::from, what_all_take::as, what_all_take::rounding, what_all_take::of_last;
 
   // A quad's positions on its fine level, and what is fetched there.
   struct begun { v16 at; samples fine; };

@@ -19,11 +19,10 @@ struct samples {
 // For multishift: the same of both pixels of a 64-bit lane.
 constexpr int64_t fields(int64_t offsets_of_a_pixel) { return offsets_of_a_pixel | ((offsets_of_a_pixel + 0x20202020) << 32); }
 
-// What all samples take, made once, so that it stays in registers: compilers make constants anew where they are needed, and on Zen 4 a load takes longer than what it is for.
-// More: bits of fraction that positions have beyond those that they are snapped to.
+// What samples16() takes (some of it samples_of_offsets() too), made once, so that it stays in registers: compilers make constants anew where they are needed, and on Zen 4 a load takes longer than
+// what it is for. More: bits of fraction that positions have beyond those that they are snapped to.
 template <int Up, int More = 0>
 struct sampling {
-  static constexpr int32_t texel_bits = 0x07800780, texel_bits_of_high = 0x0F800780;  // of high sections rows have five bits, not four
   v16 next, all_u, all_v, row;
   v16 fractions, texels;     // a position's bits
   v16 at_texel, at_u, at_v;  // where its numbers lie
@@ -36,7 +35,7 @@ struct sampling {
     row = of32<0x00080001>();
     constexpr int64_t from = 16 + More - Up;
     fractions = held(of32<0x007F007F << More>());
-    texels = held(of32<texel_bits << More>());
+    texels = held(of32<0x07800780 << More>());
     at_texel = held(of64<fields(0x01010101 * (7 + More))>());
     at_u = held(of64<fields(0x01010101 * More)>());
     at_v = held(of64<fields(from | (from + 8) << 8 | from << 16 | (from + 8) << 24)>());
@@ -57,9 +56,9 @@ SPANTEX_INLINE samples placed_in_broad(v16 first) {
 
 template <held_in Where, int Up, int More>
 SPANTEX_INLINE samples samples16(const sampling<Up, More>& c, v16 at) {
-  constexpr bool high = Where == held_in::high;
+  constexpr bool high = Where == held_in::high;  // rows have five bits, not four
   samples s;
-  const v16 texels = _mm512_and_si512(at, high ? of32<sampling<Up, More>::texel_bits_of_high << More>() : c.texels), fractions = _mm512_and_si512(at, c.fractions);
+  const v16 texels = _mm512_and_si512(at, high ? of32<0x0F800780 << More>() : c.texels), fractions = _mm512_and_si512(at, c.fractions);
   if constexpr (is_broad(Where)) {
     s = placed_in_broad(_mm512_multishift_epi64_epi8(c.at_texel, _mm512_madd_epi16(texels, of32<0x00100001>())));
   } else {

@@ -17,7 +17,7 @@ using v16 = __m512i;  // sixteen 32-bit lanes: a pixel each
 
 template <int32_t X> SPANTEX_INLINE v16 of32() { return _mm512_set1_epi32(number32<X>[0]); }
 template <int64_t X> SPANTEX_INLINE v8 of64() { return _mm512_set1_epi64(number64<X>); }
-// x, and the compiler does not know what it is.
+// x, and the compiler knows neither what it is nor where it could be read again.
 SPANTEX_INLINE v16 held(v16 x) {
   asm("" : "+v"(x));
   return x;

@@ -41,7 +41,9 @@ SPANTEX_INLINE void longer_lengths_of(const batch& b, int k, span_lengths& to) {
   const auto squares = [&](int n) SPANTEX_INLINED {
     const bool rows = b.rows_longer >> n & 1;
     const v8 apart = _mm512_mask_sub_epi64(rows_apart(), __mmask8(rows - 1), _mm512_setzero_si512(), rows_apart());
-    const auto along = [&](const int64_t& step, const int64_t& twist) SPANTEX_INLINED { return _mm512_add_epi64(set(step), _mm512_mul_epi32(set(twist), apart)); };
+    const auto along = [&](const int64_t& step, const int64_t& twist) SPANTEX_INLINED {  // g++ 12 reads values into general registers
+      return _mm512_add_epi64(set(step), _mm512_mul_epi32(set(twist), apart));
+    };
     return squares_of(along(*(rows ? b.u_x + n : b.u_y + n), b.twist_u[n]), along(*(rows ? b.v_x + n : b.v_y + n), b.twist_v[n]));
   };
   const v16 more = _mm512_mask_mov_epi32(set32(b.more_of_level[k]), 0xFF00, set32(b.more_of_level[k + 1]));
@@ -154,7 +156,7 @@ template <bool Steep>
 struct level_of_slopes {
   v16 square_drop, log_drop;
   int slope_log2;
-  SPANTEX_INLINE level_of_slopes(const batch& b, int k) : square_drop(_mm512_add_epi32(set32(b.series_drop[k]), of32<1>())), log_drop(_mm512_add_epi32(set32(b.series_drop[k]), of32<13>())), slope_log2(b.slope_log2[k]) {}
+  SPANTEX_INLINE level_of_slopes(const batch& b, int k) : square_drop(_mm512_add_epi32(set32(b.series_drop[k]), of32<1>())), log_drop(_mm512_add_epi32(square_drop, of32<12>())), slope_log2(b.slope_log2[k]) {}
   SPANTEX_INLINE v16 operator()(v16 e, const slopes16& w) const {
     if constexpr (Steep) return _mm512_slli_epi32(log2_of_w(slope_of(e, slope_log2)), 1);
     const v16 t = upper_difference(w.e16, _mm512_srav_epi32(w.square, square_drop));

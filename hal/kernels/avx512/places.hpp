@@ -5,7 +5,7 @@
 
 SPANTEX_INLINE v16 both_axes(__m256i u, __m256i v) { return _mm512_inserti64x4(_mm512_castsi256_si512(u), v, 1); }
 SPANTEX_INLINE v16 both_axes(int32_t u, int32_t v) { return both_axes(_mm256_set1_epi32(u), _mm256_set1_epi32(v)); }
-template <int32_t U, int32_t V> SPANTEX_INLINE v16 both_axes() { return _mm512_load_si512((number_of_axes<U, V>)); }
+template <int32_t U, int32_t V> SPANTEX_INLINE v16 both_axes() { return _mm512_load_si512(number_of_axes<U, V>); }
 
 // Where quads lie on level 0, s15.16, u in the lower eight lanes, v in the upper: so far to either side of their centres. A 64th of a texel holds every rounding. Mantissas
 // are below 2^30, the other margins as much again at most: a quarter of them is added up, so that 32 bits hold the sum.
@@ -214,10 +214,10 @@ SPANTEX_WRAPS SPANTEX_INLINE void place_rows(const row_work& work, __mmask8 flat
 // (snapping).
 struct batch_places {
   batch_sections fine, coarse, next;
-  // Positions have one bit of fraction more than they are snapped to. Those on the coarser level are half of them, those on the next one a quarter, once to_coarse or to_next is added in both halves of a lane:
-  // of to_coarse one less, since what halves is a mean of unsigned numbers, rounded up.
-  static constexpr int more_bits = 1;
-  alignas(32) int32_t from_u[quads][batch_size], from_v[quads][batch_size], drop[batch_size], turn[batch_size], to_coarse[quads][batch_size], to_next[quads][batch_size];
+  static constexpr int more_bits = 1;          // of fraction that positions have beyond those that they are snapped to (sampling)
+  alignas(32) int32_t from_u[quads][batch_size], from_v[quads][batch_size], drop[batch_size], turn[batch_size];
+  // What is added to positions on the fine level, in both halves of a lane: a half of the sum is that on the coarse one, a quarter that on the next. to_coarse is one less: its half is a mean, which is rounded up.
+  alignas(32) int32_t to_coarse[quads][batch_size], to_next[quads][batch_size];
   alignas(32) int32_t level[batch_size];       // the fine one
   alignas(32) int32_t excess[batch_size];      // bits of the offsets to be dropped first
   uint32_t placed = 0, deep = 0, high = 0, broad = 0;  // bit k, as above

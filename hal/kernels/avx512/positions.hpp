@@ -217,7 +217,7 @@ SPANTEX_INLINE void shorten(int last_level, v16 (&u)[quads], v16 (&v)[quads], in
   half >>= drop;
 }
 
-// Positions on a level, from a section's first texel: u in the lower half of each lane, v in the upper, 7 bits of fraction and 4 of texel each (5 of v where sections are high); what is above is anything.
+// Positions on a level, from a section's first texel: u in the lower half of each lane, v in the upper, 7 bits of fraction (one more in batch_places) and 4 of texel each (5 of v where sections are high); what is above is anything.
 // `from`: what they are relative to, and half of what they are snapped to.
 template <class C>
 SPANTEX_INLINE v16 snapped_by(const C& c, v16 u, v16 v, int32_t from_u, int32_t from_v, int32_t drop, int32_t turn) {
