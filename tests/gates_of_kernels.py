@@ -2,7 +2,7 @@
 """Gates of the host kernels, as gate_list.py has others: name, file, what stands there, what it is broken into, suite, case, further sources the suite links."""
 import pathlib
 
-KERNELS = [f"hal/kernels/{name}.cpp" for name in ("avx2", "avx2_linear_light", "avx512", "avx512_gathers", "avx512_linear_light", "avx512_loads", "byte_planes", "kernel", "masks", "masks_avx2", "masks_avx512", "masks_words", "neon", "neon_linear_light", "planar_map", "row_levels", "shortcuts", "sse41", "sse41_linear_light", "upright", "words", "words_linear_light", "write_out")]
+KERNELS = [f"hal/kernels/{name}.cpp" for name in ("avx2", "avx2_linear_light", "avx512", "avx512_gathers", "avx512_linear_light", "avx512_linear_light_rows", "avx512_loads", "byte_planes", "kernel", "masks", "masks_avx2", "masks_avx512", "masks_words", "neon", "neon_linear_light", "planar_map", "row_levels", "shortcuts", "sse41", "sse41_linear_light", "upright", "words", "words_linear_light", "write_out")]
 
 KERNEL_GATES = [
     ("a vector kernel's halves always up", "hal/kernels/vectors/pixels.hpp", "add16(rest, x & number<0x00800080>())", "add16(rest, number<0x00800080>())", "kernels", "random_planes*", KERNELS),
@@ -73,16 +73,15 @@ KERNEL_GATES = [
     ("kernels in linear light: the table's codes begin one late", "hal/kernels/linear_light.hpp", "2 * x < srgb_decoded", "2 * x <= srgb_decoded", "kernels_linear_light", "every_number*", KERNELS),
     ("kernels in linear light: lanes on levels of their own taken for their neighbours", "hal/kernels/vectors/linear_light.hpp", "first = halves(lane_of_each<0>(where), lane_of_each<1>(where))", "first = halves(where, where)", "kernels_linear_light", "random_planes*", KERNELS),
     ("kernels in linear light: groups of the second half taken for those of the first", "hal/kernels/vectors/spans.hpp", " + n / of_part * lanes_across) &", ") &", "kernels_linear_light", "polygons*", KERNELS),
-    ("AVX-512's codes of linear light: the last number of a code given the next", "hal/kernels/avx512/srgb_codes.hpp", "_mm512_subs_epu16(b, last.b)", "_mm512_subs_epu16(b, _mm512_sub_epi16(last.b, raw(number<0x00010001>())))", "kernels_linear_light", "dark_maps", KERNELS),
+    ("AVX-512's codes of linear light: the last number of a code given the next", "hal/kernels/avx512/code_tables.hpp", "_mm512_subs_epu16(second[m], last.second)", "_mm512_subs_epu16(second[m], _mm512_sub_epi16(last.second, _mm512_set1_epi16(1)))", "kernels_linear_light", "dark_maps", KERNELS),
     ("sRGB maps: the texel below taken for the one above", "hal/kernels/row_levels.cpp", "y + 1 < rows ? row[x + stride(level)] : upper", "upper", "kernels_linear_light", "ordinary*", KERNELS),
     ("kernels in linear light: between two levels cut off", "hal/kernels/vectors/linear_light.hpp", "return (v_32(x) << ones) + ((1 << ones) - 1);", "return v_32(x) << ones;", "kernels_linear_light", "dark_maps", KERNELS),
-    ("kernels in linear light: a row's last span left unfinished", "hal/kernels/vectors/kernel.hpp", "  finish(work);\n", "", "kernels_linear_light", "ordinary*", KERNELS),
+    ("kernels in linear light: a row's last span left unfinished", "hal/kernels/vectors/kernel.hpp", "  finish(work);\n}\n", "}\n", "kernels_linear_light", "ordinary*", KERNELS),
     ("kernels in linear light: a span finished as the one after it", "hal/kernels/vectors/spans.hpp", "  work.before_sx = sx;", "  work.before_sx = work.sx;", "kernels_linear_light", "ordinary*", KERNELS),
     ("kernels in linear light: a span lost when the next one is drawn", "hal/kernels/vectors/spans.hpp", "  finish(work);\n  for (int n", "  for (int n", "kernels_linear_light", "ordinary*", KERNELS),
-    ("AVX-512 in linear light: between two levels cut off", "hal/kernels/vectors/linear_light.hpp", "_mm512_shldi_epi32(raw(x), _mm512_set1_epi32(-1), ones)", "_mm512_slli_epi32(raw(x), ones)", "kernels_linear_light", "dark_maps", KERNELS),
     ("AVX-512 in linear light: halves always up", "hal/kernels/vectors/linear_light.hpp", "return add_products(v(y), v(y) & one, one);", "return add_products(v(y), one, one);", "kernels_linear_light", "dark_maps", KERNELS),
     ("AVX-512 in linear light: maps with alpha taken for opaque", "hal/kernels/vectors/spans.hpp", " && work.texels->opaque()) [[likely]]", ") [[likely]]", "kernels_linear_light", "ordinary*", KERNELS),
-    ("AVX-512's codes of linear light: one of them begins a number early", "hal/kernels/avx512/srgb_codes.hpp", "low[c] = uint8_t(first_number_of(c + 1) - 1);", "low[c] = uint8_t(first_number_of(c + 1) - 1 - (c == 201));", "kernels_linear_light", "every_number_is*", KERNELS),
+    ("AVX-512's codes of linear light: one of them begins a number early", "hal/kernels/avx512/code_tables.hpp", "low[c] = uint8_t(first_number_of(c + 1) - 1);", "low[c] = uint8_t(first_number_of(c + 1) - 1 - (c == 201));", "kernels_linear_light", "every_number_is*", KERNELS),
     ("AVX-512's codes of linear light: channels of an opaque map's last pixels exchanged", "hal/kernels/avx512/srgb_codes.hpp", "of_pixels << N, codes", "of_pixels << (2 - N), codes", "kernels_linear_light", "opaque*", KERNELS),
     ("kernels: places of a bilinear span without its base", "hal/kernels/vectors/spans.hpp", "out[place_of(y, part) / width], base);", "out[place_of(y, part) / width]);", "kernels", "ordinary*", KERNELS),
     ("kernels: places of a bilinear span not rounded to a position's bits", "hal/kernels/vectors/spans.hpp", "start = (1 << (below_position - 1)) + add_of(0)", "start = add_of(0)", "kernels", "random_planes*", KERNELS),
@@ -132,6 +131,18 @@ KERNEL_GATES = [
 # Where the processor has what the kernel takes.
 if "avx512_vbmi2" in pathlib.Path("/proc/cpuinfo").read_text():
     KERNEL_GATES += [
+        ("AVX-512 in linear light, local memory: between two levels cut off", "hal/kernels/avx512/light.hpp", "_mm512_shldi_epi32(x, _mm512_set1_epi32(-1), 16 - q.blend_bits)", "_mm512_slli_epi32(x, 16 - q.blend_bits)", "kernels_linear_light", "dark_maps", KERNELS),
+        ("AVX-512 in linear light, local memory: halves always up", "hal/kernels/avx512/light.hpp", "_mm512_dpwssd_epi32(x, _mm512_and_si512(x, one), one)", "_mm512_dpwssd_epi32(x, one, one)", "kernels_linear_light", "dark_maps", KERNELS),
+        ("AVX-512 in linear light, local memory: a level's colour cut off", "hal/kernels/avx512/light.hpp", "half_of_kept = 1 << (kept_drop - 1)", "half_of_kept = 0", "kernels_linear_light", "dark_maps", KERNELS),
+        ("AVX-512 in linear light, local memory: sums begin without what their upper bytes' shift leaves", "hal/kernels/avx512/light.hpp", "c.lowest_of_start, 8)", "_mm512_setzero_si512(), 8)", "kernels_linear_light", "dark_maps", KERNELS),
+        ("AVX-512 in linear light, local memory: alpha taken for light", "hal/kernels/avx512/light.hpp", "start_of(What, 0x80))", "start_of(What, 0x8080))", "kernels_linear_light", "ordinary*", KERNELS),
+        ("AVX-512 in linear light, local memory: quads exchanged", "hal/kernels/avx512/light.hpp", "number[2][m], rows, number[3][m]", "number[3][m], rows, number[2][m]", "kernels_linear_light", "ordinary*", KERNELS),
+        ("AVX-512 in linear light, local memory: samples cut off", "hal/kernels/avx512/light.hpp", "_mm512_and_si512(_mm512_srli_epi32(sum, sample_drop), of32<1>())", "_mm512_setzero_si512()", "kernels_linear_light", "dark_maps", KERNELS),
+        ("AVX-512 in linear light, local memory: means' halves up", "hal/kernels/avx512/light.hpp", "_mm512_mask_andnot_epi32(whole, tie, of32<1>(), whole)", "whole", "kernels_linear_light", "dark_maps", KERNELS),
+        ("AVX-512 in linear light, local memory: a sum of two samples taken for one", "hal/kernels/avx512/aniso.hpp", "light::of_samples<2>(", "light::of_samples<1>(", "kernels_linear_light", "ordinary*", KERNELS),
+        ("AVX-512 in linear light, local memory: samples not counted", "hal/kernels/avx512/aniso.hpp", "_mm512_mask_add_epi32(to, counted, to,", "_mm512_add_epi32(to,", "kernels_linear_light", "rows_of*", KERNELS),
+        ("AVX-512 in linear light, local memory: a row of one sample taken for the sample", "hal/kernels/avx512_linear_light.cpp", "of_light_samples : of_light", "of_light : of_light", "kernels_linear_light", "dark_maps", KERNELS),
+        ("sRGB maps: upper bytes of light taken for lower ones", "hal/kernels/planar_map.cpp", "put(upper_planes + m, x >> 8)", "put(upper_planes + m, x)", "kernels_linear_light", "ordinary*", KERNELS),
         ("AVX-512: levels that are no halves taken for such", "hal/kernels/avx512/levels.hpp", "set32(last_like_level<TwoLevels>(map))) != 0;", "set32(last_like_level<TwoLevels>(map))) > 0xFFFF;", "kernels", "levels_that*", KERNELS),
         ("AVX-512: the last level that is a half taken for the next", "hal/kernels/avx512/levels.hpp", "exact_count() - 1) * (1", "exact_count() - 0) * (1", "kernels", "levels_that*", KERNELS),
         ("AVX-512: axes that do halve exactly scaled twice", "hal/kernels/avx512/scaled.hpp", "_mm512_cmpeq_epi32_mask(ratio, of32<1 << 30>())", "_mm512_cmpneq_epi32_mask(ratio, of32<1 << 30>())", "kernels", "levels_that*", KERNELS),
@@ -172,7 +183,7 @@ if "avx512_vbmi2" in pathlib.Path("/proc/cpuinfo").read_text():
         ("AVX-512: rows after the eighth from the first", "hal/kernels/avx512/filters.hpp", "rows(0), s.index, rows(1))", "rows(0), s.index, rows(0))", "kernels", "turned_planes*", KERNELS),
         ("AVX-512: sections of 17 rows or columns", "hal/kernels/avx512/sections.hpp", "_mm512_mask_cmpgt_epi32_mask(two, size, of32<2 * block_side - 1>())", "_mm512_mask_cmpgt_epi32_mask(two, size, of32<2 * block_side>())", "kernels", "minified_planes*", KERNELS),
         ("AVX-512: rows shortened where samples are not", "hal/kernels/avx512/positions.hpp", "min_of(last_level, last_of_several_texels) - 27;", "last_level - 27;", "kernels", "turned_planes*", KERNELS),
-        ("AVX-512: batches beyond local memory not left", "hal/kernels/avx512.cpp", "work_.left[k] = work_.masks[k] != 0;", "work_.left[k] = false;", "kernels", "minified_planes*", KERNELS),
+        ("AVX-512: batches beyond local memory not left", "hal/kernels/avx512/by_blocks.hpp", "work_.left[k] = work_.masks[k] != 0;", "work_.left[k] = false;", "kernels", "minified_planes*", KERNELS),
         ("AVX-512: rows on two levels from one", "hal/kernels/avx512/aniso.hpp", "for (int n = 0; s.crossing && n < quads; ++n)", "for (int n = quads; n < quads; ++n)", "kernels", "minified_planes*", KERNELS),
         ("AVX-512: bases up to the end of the range", "hal/kernels/avx512/lanes.hpp", " - max_texture_side / 4;", ";", "kernels", "samples_next*", KERNELS),
         ("AVX-512: quads' bounds without what is divided", "hal/kernels/avx512/places.hpp", "_mm512_slli_epi32(steps, 1)), moved)};", "_mm512_slli_epi32(steps, 1)), _mm512_setzero_si512())};", "kernels", "random_planes*", KERNELS),
@@ -222,9 +233,9 @@ if "avx512_vbmi2" in pathlib.Path("/proc/cpuinfo").read_text():
         ("AVX-512: spans on several whole levels on one", "hal/kernels/avx512/levels.hpp", "_mm512_test_epi32_mask(differs, of32<~fraction>()) == 0;", "true;", "kernels", "random_planes*", KERNELS),
         ("AVX-512: spans alone on a level that are not", "hal/kernels/avx512/levels.hpp", "_mm512_test_epi32_mask(differs, of32<fraction>()) == 0);", "true);", "kernels", "random_planes*", KERNELS),
         ("AVX-512: positions on alike levels in more than 32 bits", "hal/kernels/avx512/places.hpp", "bits_and_level, _mm256_set1_epi32(28)", "bits_and_level, _mm256_set1_epi32(32)", "kernels", "sheared_and_magnified*", KERNELS),
-        ("AVX-512: one level of planes that face the viewer as of two", "hal/kernels/avx512.cpp", "_mm256_add_epi32(level, _mm256_set1_epi32(to_whole<TwoLevels>))", "level", "kernels", "turned_planes_that*", KERNELS),
-        ("AVX-512: planes that face the viewer on one level for two", "hal/kernels/avx512.cpp", "_mm256_testn_epi32_mask(level, _mm256_set1_epi32((1 << q.level_bits) - 1)) : all", "all : all", "kernels", "turned_planes_that*", KERNELS),
-        ("AVX-512: levels that are no halves taken for such where planes face the viewer", "hal/kernels/avx512.cpp", "_mm256_cmpgt_epi32_mask(level, _mm256_set1_epi32(last_like_level<TwoLevels>(*work.texels)))", "0", "kernels", "turned_planes_that*", KERNELS),
+        ("AVX-512: one level of planes that face the viewer as of two", "hal/kernels/avx512/by_blocks.hpp", "_mm256_add_epi32(level, _mm256_set1_epi32(to_whole<TwoLevels>))", "level", "kernels", "turned_planes_that*", KERNELS),
+        ("AVX-512: planes that face the viewer on one level for two", "hal/kernels/avx512/by_blocks.hpp", "_mm256_testn_epi32_mask(level, _mm256_set1_epi32((1 << q.level_bits) - 1)) : all", "all : all", "kernels", "turned_planes_that*", KERNELS),
+        ("AVX-512: levels that are no halves taken for such where planes face the viewer", "hal/kernels/avx512/by_blocks.hpp", "_mm256_cmpgt_epi32_mask(level, _mm256_set1_epi32(last_like_level<TwoLevels>(*work.texels)))", "0", "kernels", "turned_planes_that*", KERNELS),
         ("AVX-512: rows alone tell the level of planes that face the viewer", "hal/kernels/avx512/levels.hpp", "longest = _mm512_max_epi32(lengths, _mm512_shuffle_i64x2(lengths, lengths, 0x4E));", "longest = lengths;", "kernels", "turned_planes_that*", KERNELS),
         ("AVX-512: a texel nearest a span's centre told without the division", "hal/kernels/vectors/affine_numbers.hpp", "return a.w / 2 - a.w / 4096;", "return a.w;", "kernels", "turned_planes_by*", KERNELS),
         ("AVX-512: a row's offsets on its first scale", "hal/kernels/vectors/affine_numbers.hpp", "a.most_fraction - n); };", "a.most_fraction); };", "kernels", "turned_planes_by*", KERNELS),
@@ -246,7 +257,7 @@ if "avx512_vbmi2" in pathlib.Path("/proc/cpuinfo").read_text():
         ("AVX-512: halves of two samples up", "hal/kernels/avx512/aniso.hpp", "_mm512_and_si512(_mm512_srli_epi32(t, 17), of32<1>())", "of32<1>()", "kernels", "random_planes*", KERNELS),
         ("AVX-512: rows' axes as if their signs were alike", "hal/kernels/avx512/aniso.hpp", "_mm512_mask_sub_epi32(dv, opposed,", "_mm512_mask_sub_epi32(dv, 0 * opposed,", "kernels", "random_planes*", KERNELS),
         ("AVX-512: w below one inverted as above", "hal/kernels/avx512/positions.hpp", "_mm512_mask_srli_epi32(y, large, y, 1)", "_mm512_srli_epi32(y, 1)", "kernels", "random_planes*", KERNELS),
-        ("AVX-512: spans that are left keep the batch's first axis", "hal/kernels/avx512.cpp", "c.axis.c_u = b.axis[0][k];", "c.axis.c_u = b.axis[0][0];", "kernels", "random_planes*", KERNELS),
+        ("AVX-512: spans that are left keep the batch's first axis", "hal/kernels/avx512/by_blocks.hpp", "c.axis.c_u = b.axis[0][k];", "c.axis.c_u = b.axis[0][0];", "kernels", "random_planes*", KERNELS),
         ("AVX-512: areas not rounded", "hal/kernels/avx512/columns.hpp", "keep(b.area_log2, level_term16(level));", "keep(b.area_log2, level);", "kernels", "random_planes*", KERNELS),
         ("AVX-512: halves always up", "hal/kernels/avx512/filters.hpp", "_mm512_and_si512(x, one), one); }", "one, one); }", "kernels", "random_planes*", KERNELS),
     ]

@@ -1,13 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
-// AVX-512 in linear light: sixteen lanes, from the map's rows.
+// AVX-512 in linear light: rows of spans from local memory.
 #include "linear_light.hpp"
 
 #if defined(__x86_64__)
-#define SPANTEX_LINEAR 1
-#define SPANTEX_GATHERS 0
-#include "avx512/by_rows.hpp"
+#include "avx512/by_blocks.hpp"
 
 namespace spantex::kernels {
-constinit const row_kernels avx512_linear_light = linear_light::rows;
+namespace {
+
+template <filter Kind>
+void draw_row(const row_work& work) {
+  constexpr int light = uses_footprint(Kind) ? of_light_samples : of_light;
+  plans_of_left<Kind> left;
+  if (work.texels->opaque()) draw_batches<Kind, light + 3>(work, left);
+  else draw_batches<Kind, light + 4>(work, left);
+  draw_left<Kind>(work, left, linear_light_reader());
+}
+
+}  // namespace
+
+constinit const row_kernels avx512_linear_light{nullptr, draw_row<filter::bilinear>, draw_row<filter::mip_bilinear>, draw_row<filter::trilinear>, draw_row<filter::aniso>};
 }  // namespace spantex::kernels
+
+#include "targets/end.hpp"
 #endif

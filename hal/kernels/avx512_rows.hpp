@@ -12,5 +12,6 @@ struct row_reader {
 };
 row_reader gathering_reader();
 row_reader loading_reader();
+row_reader linear_light_reader();  // loads them
 
 }  // namespace spantex::kernels

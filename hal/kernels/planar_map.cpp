@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "planar_map.hpp"
 
+#include <spantex/srgb.hpp>
+
 namespace spantex::kernels {
 namespace {
 
@@ -26,12 +28,12 @@ planar_map::planar_map(const texture_view& view, layout of)
       period_v_(period(wrap_v_, height_)) {
   levels_in_rows_ = row_levels(view, of == layout::rows_and_blocks ? texel_apron : row_apron);
   opaque_ = levels_in_rows_.opaque();
-  if (levels_in_rows_.linear_light()) return;
-  if (of == layout::rows_and_planes && levels_in_rows_.masks_only()) planes_ = byte_planes(view, levels_in_rows_.count(), opaque_ ? 3 : 4);
+  if (of == layout::rows_and_planes && levels_in_rows_.masks_only() && !levels_in_rows_.linear_light()) planes_ = byte_planes(view, levels_in_rows_.count(), opaque_ ? 3 : 4);
   if (of == layout::rows_and_blocks) add_blocks(view);
 }
 
 void planar_map::add_blocks(const texture_view& view) {
+  const size_t stack_bytes = size_t(block_planes()) * channel_bytes;
   size_t bytes = 0;
   std::vector<size_t> starts;
   for (int k = 0; k < view.level_count(); ++k) {
@@ -48,14 +50,20 @@ void planar_map::add_level(const texture_view& view, int k, size_t start) {
   const std::vector<int32_t> u = wrapped(texel_apron, columns * block_side, [&](int32_t x) { return view.wrapped_u(x, k); });
   const std::vector<int32_t> v = wrapped(stack_rows, (stacks * stack_blocks + 1) * block_side, [&](int32_t y) { return view.wrapped_v(y, k); });
   uint8_t* at = blocks_.data() + skew_ + start;
+  const bool in_light = levels_in_rows_.linear_light();
+  const int32_t stack_bytes = block_planes() * channel_bytes;
   for (int32_t stack = 0; stack < stacks; ++stack)
     for (int32_t bx = 0; bx < columns; ++bx, at += stack_bytes)
       for (int n = 0; n < channel_bytes; ++n) {
         const rgba8 t = view.texel(k, u[size_t(bx * block_side + n % block_side)], v[size_t(stack * stack_rows + n / block_side)]);
-        at[n] = t.r ^ 0x80;
-        at[n + channel_bytes] = t.g ^ 0x80;
-        at[n + 2 * channel_bytes] = t.b ^ 0x80;
-        at[n + 3 * channel_bytes] = t.a ^ 0x80;
+        const auto put = [&](int plane, uint32_t byte) { at[n + plane * channel_bytes] = uint8_t(byte) ^ 0x80; };
+        const uint8_t colours[] = {t.r, t.g, t.b};
+        for (int m = 0; m < colour_count; ++m) {
+          const uint32_t x = in_light ? srgb_decoded(colours[m]) : colours[m];
+          put(m, x);
+          if (in_light) put(upper_planes + m, x >> 8);
+        }
+        put(colour_count, t.a);
       }
   levels_.column_bytes[k] = stack_bytes;
   levels_.row_bytes[k] = columns * stack_bytes;

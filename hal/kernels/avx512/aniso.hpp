@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // AVX-512 kernel: filter aniso, rows of trilinear samples along each pixel's image (footprint.hpp). Local memory holds what the samples of a quad's pixels
-// take together; rows of more than `most_samples` are too long for it as a rule: a span with one is left. Included by ../avx512.cpp alone.
+// take together; rows of more than `most_samples` are too long for it as a rule: a span with one is left. Included by by_blocks.hpp alone.
 #pragma once
 
 static_assert(q.max_samples == 16 && q.sample_bias == -8, "row_work::most_ratio; finer() as in levels.hpp");
@@ -18,13 +18,14 @@ constexpr int32_t least_ratio_of(int samples) {
 }
 
 // By number of samples n: where the first two lie along a row, and the next two, from its middle, 2^-16 of its length: (n - 1) / 2n, (n - 3) / 2n, of
-// floor((2^16 + n) / 2n); ceil(2^14 / n).
+// floor((2^16 + n) / 2n); ceil(2^14 / n), ceil(2^31 / n).
 struct alignas(64) sample_tables {
-  int32_t from_middle[most_samples / 2][16], inverse[16];
-  constexpr sample_tables() : from_middle(), inverse() {
+  int32_t from_middle[most_samples / 2][16], inverse[16], inverse_31[16];
+  constexpr sample_tables() : from_middle(), inverse(), inverse_31() {
     for (int n = 1; n <= most_samples; ++n) {
       for (int k = 0; k < most_samples / 2; ++k) from_middle[k][n] = max_of(n - 1 - 2 * k, 0) * ((65536 + n) / (2 * n));
       inverse[n] = ((1 << 14) + n - 1) / n;
+      inverse_31[n] = int32_t(uint32_t(((int64_t(1) << 31) + n - 1) / n));
     }
   }
 };
@@ -138,10 +139,11 @@ SPANTEX_INLINE v16 mean_of(const colouring& as, const row_span& s, int n, v16 (&
   return as.packed(sum);
 }
 
-// How a span's quads are drawn.
-template <taken Levels, int Channels, held_in Fine, bool Scaled = false>
-struct row_blender : blending<true> {
-  SPANTEX_INLINE explicit row_blender(const uint8_t* of) : blending<true>(of) {}
+// How a span's quads are blended; Blending as level_blender's.
+template <class Blending, taken Levels, held_in Fine, bool Scaled>
+struct row_sums : Blending {
+  using Blending::blocks, Blending::from;
+  SPANTEX_INLINE explicit row_sums(const uint8_t* of) : Blending(of) {}
 
   // A sample's position, and what is fetched on its fine level.
   struct begun { texels16 at; samples fine; };
@@ -150,32 +152,69 @@ struct row_blender : blending<true> {
     return {at, samples16<Fine>(from, snapped_on<Scaled, 0>(s, from, at.u, at.v, n))};
   }
 
-  // The quad whose first sample is given; as quad_blender's.
-  SPANTEX_INLINE v16 finished(const row_span& s, int n, begun now, auto&& meanwhile) const {
-    v16 sum[Channels] = {};
-    const v16 weights = as.level_weights(s.own.level[n]);
+  // Of the quad whose first sample is given; add: a channel's sample to its sum where it is counted. meanwhile as level_blender's.
+  template <int Channels>
+  SPANTEX_INLINE void add_up(const row_span& s, int n, begun now, auto&& meanwhile, auto&& add, v16 (&sum)[Channels]) const {
 #pragma GCC unroll 1
     for (int k = 0; k < s.most; ++k) {
       const texels16 at = now.at;
       v16 fine[Channels], coarse[Channels];
-      blended16(section_after<0, Fine>(blocks, s, n), now.fine, rounding, fine, rounding);
+      this->blended(section_after<0, Fine>(blocks, s, n), now.fine, fine);
       if constexpr (Levels == taken::all) {
         asm volatile("" ::: "memory");  // addresses of two levels at once, and sums besides, are more than there are registers
-        blended16(section_after<1, row_span::after<Fine>>(blocks, s, n), samples16<row_span::after<Fine>>(from, snapped_on<Scaled, 1>(s, from, at.u, at.v, n)), rounding, coarse, rounding);
+        this->blended(section_after<1, row_span::after<Fine>>(blocks, s, n), samples16<row_span::after<Fine>>(from, snapped_on<Scaled, 1>(s, from, at.u, at.v, n)), coarse);
       }
       if (k + 1 < s.most) now = begin(s, n, k + 1);
       else meanwhile();
-      const v16 counted = _mm512_maskz_mov_epi32(_mm512_cmpgt_epi32_mask(s.samples[n], set32(k)), weights);
+      const __mmask16 counted = _mm512_cmpgt_epi32_mask(s.samples[n], set32(k));
 #pragma GCC unroll 4
-      for (int m = 0; m < Channels; ++m) sum[m] = as.summed(sum[m], fine[m], Levels == taken::all ? coarse[m] : fine[m], counted);  // of one level, the other weight is 0
+      for (int m = 0; m < Channels; ++m) add(sum[m], fine[m], Levels == taken::all ? coarse[m] : fine[m], counted);
     }
+  }
+};
+
+template <taken Levels, int Channels, held_in Fine, bool Scaled = false>
+struct row_blender : row_sums<blending<true>, Levels, Fine, Scaled> {
+  using sums_of = row_sums<blending<true>, Levels, Fine, Scaled>;
+  using sums_of::as;
+  SPANTEX_INLINE explicit row_blender(const uint8_t* of) : sums_of(of) {}
+
+  SPANTEX_INLINE v16 finished(const row_span& s, int n, const typename sums_of::begun& now, auto&& meanwhile) const {
+    v16 sum[Channels] = {};
+    const v16 weights = as.level_weights(s.own.level[n]);
+    this->add_up(s, n, now, meanwhile, [&](v16& to, v16 fine, v16 coarse, __mmask16 counted) SPANTEX_INLINED { to = as.summed(to, fine, coarse, _mm512_maskz_mov_epi32(counted, weights)); }, sum);  // of one level, the other weight is 0
     return mean_of(as, s, n, sum);
+  }
+};
+
+template <taken Levels, int Channels, held_in Fine, bool Scaled = false>
+struct light_row_blender : row_sums<light_blending<light::rounds::samples>, Levels, Fine, Scaled> {
+  using sums_of = row_sums<light_blending<light::rounds::samples>, Levels, Fine, Scaled>;
+  using sums_of::as;
+  SPANTEX_INLINE explicit light_row_blender(const uint8_t* of) : sums_of(of) {}
+  static constexpr int channels = interpolated(Channels);
+
+  SPANTEX_INLINE void finished(const row_span& s, int n, const typename sums_of::begun& now, auto&& meanwhile, v16 (&sum)[channels]) const {
+    const v16 fraction = light::fraction_of(s.own.level[n]), number = s.samples[n];
+    for (v16& each : sum) each = _mm512_setzero_si512();
+    this->add_up(s, n, now, meanwhile, [&](v16& to, v16 fine, v16 coarse, __mmask16 counted) SPANTEX_INLINED {
+      to = _mm512_mask_add_epi32(to, counted, to, Levels == taken::one ? light::sample_of(fine) : light::sample_between(fine, coarse, fraction));
+    }, sum);
+    if (s.most == 2) {
+      const __mmask16 one = _mm512_cmpeq_epi32_mask(number, of32<1>());
+#pragma GCC unroll 4
+      for (v16& each : sum) each = light::of_samples<2>(as, _mm512_mask_add_epi32(each, one, each, each));
+    } else {
+      const v16 inverse = look_up(of_samples.inverse_31, number);
+#pragma GCC unroll 4
+      for (v16& each : sum) each = light::mean_of(each, number, inverse);
+    }
   }
 };
 
 template <taken Levels, int Channels, held_in Fine, bool Scaled>
 SPANTEX_INLINE bool blend_rows(const row_work& work, const batch& b, int k, const row_span& s) {
-  return blend_span<row_blender<Levels, Channels, Fine, Scaled>>(work, b, k, s);
+  return blend_span<std::conditional_t<in_light(Channels), light_row_blender<Levels, Channels, Fine, Scaled>, row_blender<Levels, Channels, Fine, Scaled>>>(work, b, k, s);
 }
 
 // Rows of pixels whose shapes are known; nu, nv: J times the major axis' direction. False where they are too long.

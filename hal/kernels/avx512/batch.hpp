@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// AVX-512 kernel: eight spans side by side. Included by ../avx512.cpp alone.
+// AVX-512 kernel: eight spans side by side. Included by by_blocks.hpp alone.
 #pragma once
 
 // c + x hx + y hy of a span's pixels, eight spans: what is added up to the lanes of the first quad, and what leads from quad to quad (quad_cut).

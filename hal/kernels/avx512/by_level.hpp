@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// AVX-512 kernel: spans on their levels of detail. Included by ../avx512.cpp alone.
+// AVX-512 kernel: spans on their levels of detail. Included by by_blocks.hpp alone.
 #pragma once
 
 // A span whose quads' sections are placed from its pixels.
@@ -158,6 +158,21 @@ struct blending {
   colouring as;
   v16 rounding, of_last;  // of channels, and of one that has alpha
   SPANTEX_INLINE explicit blending(const uint8_t* of) : blocks(of), rounding(rounding_of<TwoLevels>(false)), of_last(rounding_of<TwoLevels>(true)) {}
+
+  template <held_in Where, int Channels>
+  SPANTEX_INLINE void blended(const quad_section<Where>& at, const samples& s, v16 (&out)[Channels]) const { blended16(at, s, rounding, out, of_last); }
+};
+
+// The same in linear light.
+template <light::rounds What, int More = 0>
+struct light_blending {
+  const uint8_t* blocks;
+  sampling<light::up_of(What), More> from;
+  light::constants<What> as;
+  SPANTEX_INLINE explicit light_blending(const uint8_t* of) : blocks(of) {}
+
+  template <held_in Where, int Channels>
+  SPANTEX_INLINE void blended(const quad_section<Where>& at, const samples& s, v16 (&out)[Channels]) const { light::blended(as, at, s, out); }
 };
 
 // Positions on the level that lies so many after the fine one.
@@ -197,12 +212,11 @@ SPANTEX_INLINE auto section_after(const uint8_t* blocks, const placed_span<Coars
 template <int After, held_in Where>
 SPANTEX_INLINE auto section_after(const uint8_t* blocks, const placed_scaled_span& s, int n) { return section_of<Where>(blocks, s.at.on[After].sections, s.k, n); }
 
-// How a span's quads are drawn. Whether the fine sections are as narrow as the coarse ones is much the same from one span to the next.
-template <bool TwoLevels, taken Levels, int Channels, held_in Fine, bool Scaled = false, int More = 0>
-struct quad_blender : blending<TwoLevels, More> {
-  using what_all_take = blending<TwoLevels, More>;
-  SPANTEX_INLINE explicit quad_blender(const uint8_t* of) : what_all_take(of) {}
-  using what_all_take::blocks, what_all_take::from, what_all_take::as, what_all_take::rounding, what_all_take::of_last;
+// How a span's quads are blended; Blending: one of the two. Whether the fine sections are as narrow as the coarse ones is much the same from one span to the next.
+template <class Blending, bool TwoLevels, taken Levels, held_in Fine, bool Scaled>
+struct level_blender : Blending {
+  using Blending::blocks, Blending::from;
+  SPANTEX_INLINE explicit level_blender(const uint8_t* of) : Blending(of) {}
 
   // A quad's positions on its fine level, and what is fetched there.
   struct begun { v16 at; samples fine; };
@@ -212,16 +226,14 @@ struct quad_blender : blending<TwoLevels, More> {
     return {at, samples16<Fine>(from, at)};
   }
 
-  // The rest; in its midst there is time for something else.
-  template <class Span>
-  SPANTEX_INLINE v16 finished(const Span& s, int n, const begun& now, auto&& meanwhile) const {
-    const v16 level = s.pixels->level[n];
-    v16 fine[Channels], coarse[Channels];
-    blended16(section_after<0, Fine>(blocks, s, n), now.fine, rounding, fine, of_last);
+  // Its colours on the levels that it takes; in the midst there is time for something else.
+  template <class Span, int Channels>
+  SPANTEX_INLINE void on_levels(const Span& s, int n, const begun& now, auto&& meanwhile, v16 (&fine)[Channels], v16 (&coarse)[Channels]) const {
+    this->blended(section_after<0, Fine>(blocks, s, n), now.fine, fine);
     if constexpr (Levels == taken::more || (TwoLevels && Levels == taken::all)) blended_on<1>(s, n, now.at, coarse);
     meanwhile();
     if constexpr (Levels == taken::more) {
-      const __mmask16 second = _mm512_cmpneq_epi32_mask(whole_of<TwoLevels>(level), set32(s.first_of(n)));
+      const __mmask16 second = _mm512_cmpneq_epi32_mask(whole_of<TwoLevels>(s.pixels->level[n]), set32(s.first_of(n)));
 #pragma GCC unroll 4
       for (int m = 0; m < Channels; ++m) fine[m] = _mm512_mask_mov_epi32(fine[m], second, coarse[m]);
       if constexpr (TwoLevels) {
@@ -231,7 +243,29 @@ struct quad_blender : blending<TwoLevels, More> {
         for (int m = 0; m < Channels; ++m) coarse[m] = _mm512_mask_mov_epi32(coarse[m], second, next[m]);
       }
     }
-    const v16 weights = as.level_weights(level);
+  }
+
+ private:
+  // On the level that lies so many after the fine one.
+  template <int After, class Span, int Channels>
+  SPANTEX_INLINE void blended_on(const Span& s, int n, v16 at, v16 (&out)[Channels]) const {
+    constexpr held_in where = Span::template after<Fine>;
+    this->blended(section_after<After, where>(blocks, s, n), samples16<where>(from, snapped_after<Scaled, After>(s, from, at, n)), out);
+  }
+};
+
+template <bool TwoLevels, taken Levels, int Channels, held_in Fine, bool Scaled = false, int More = 0>
+struct quad_blender : level_blender<blending<TwoLevels, More>, TwoLevels, Levels, Fine, Scaled> {
+  using on_levels_of = level_blender<blending<TwoLevels, More>, TwoLevels, Levels, Fine, Scaled>;
+  using on_levels_of::as;
+  SPANTEX_INLINE explicit quad_blender(const uint8_t* of) : on_levels_of(of) {}
+
+  // A quad's pixels.
+  template <class Span>
+  SPANTEX_INLINE v16 finished(const Span& s, int n, const typename on_levels_of::begun& now, auto&& meanwhile) const {
+    v16 fine[Channels], coarse[Channels];
+    this->on_levels(s, n, now, meanwhile, fine, coarse);
+    const v16 weights = as.level_weights(s.pixels->level[n]);
 #pragma GCC unroll 4
     for (int m = 0; m < Channels; ++m) {
       const v16 half = as.template rounding_of<Channels>(m);
@@ -239,15 +273,37 @@ struct quad_blender : blending<TwoLevels, More> {
     }
     return as.packed(fine);
   }
+};
 
- private:
-  // On the level that lies so many after the fine one.
-  template <int After, class Span>
-  SPANTEX_INLINE void blended_on(const Span& s, int n, v16 at, v16 (&out)[Channels]) const {
-    constexpr held_in where = Span::template after<Fine>;
-    blended16(section_after<After, where>(blocks, s, n), samples16<where>(from, snapped_after<Scaled, After>(s, from, at, n)), rounding, out, of_last);
+template <bool TwoLevels, int Channels>
+constexpr light::rounds light_rounds = of_samples_in_light(Channels) ? light::rounds::samples : TwoLevels ? light::rounds::two : light::rounds::one;
+
+template <bool TwoLevels, taken Levels, int Channels, held_in Fine, bool Scaled = false, int More = 0>
+struct light_blender : level_blender<light_blending<light_rounds<TwoLevels, Channels>, More>, TwoLevels, Levels, Fine, Scaled> {
+  using on_levels_of = level_blender<light_blending<light_rounds<TwoLevels, Channels>, More>, TwoLevels, Levels, Fine, Scaled>;
+  using on_levels_of::as;
+  SPANTEX_INLINE explicit light_blender(const uint8_t* of) : on_levels_of(of) {}
+  static constexpr int channels = interpolated(Channels);
+
+  // A quad's numbers.
+  template <class Span>
+  SPANTEX_INLINE void finished(const Span& s, int n, const typename on_levels_of::begun& now, auto&& meanwhile, v16 (&fine)[channels]) const {
+    v16 coarse[channels];
+    this->on_levels(s, n, now, meanwhile, fine, coarse);
+    const v16 fraction = light::fraction_of(s.pixels->level[n]);
+    constexpr bool one = Levels == taken::one;
+#pragma GCC unroll 4
+    for (int m = 0; m < channels; ++m) {
+      if constexpr (!TwoLevels) fine[m] = as.even(fine[m]);
+      else if constexpr (of_samples_in_light(Channels)) fine[m] = light::of_samples(as, one ? light::sample_of(fine[m]) : light::sample_between(fine[m], coarse[m], fraction));
+      else fine[m] = one ? light::of_one_level(as, fine[m]) : light::between(as, fine[m], coarse[m], fraction);
+    }
   }
 };
+
+template <bool TwoLevels, taken Levels, int Channels, held_in Fine, bool Scaled = false, int More = 0>
+using blender_of = std::conditional_t<in_light(Channels), light_blender<TwoLevels, Levels, Channels, Fine, Scaled, More>, quad_blender<TwoLevels, Levels, Channels, Fine, Scaled, More>>;
+template <class Blender> constexpr bool blends_light = requires { Blender::channels; };
 
 // All of a span. No function is called here: it would take the constants out of their registers.
 template <class Blender, class Span>
@@ -303,21 +359,44 @@ template <class Blender, class Span>
   return true;
 }
 
+// The same in linear light, where codes are found of a whole span at once.
+template <class Blender, class Span>
+SPANTEX_INLINE bool blend_in_light(const row_work& work, const batch& b, int k, const Span& s) {
+  if (s.fit != 0xF) return false;
+  Blender blended(work.texels->blocks());
+  v16 number[quads][Blender::channels], out[quads];
+  auto now = blended.begin(s, 0);
+#pragma GCC unroll 1
+  for (int n = 0; n < quads; ++n) {
+    auto next = now;
+    blended.finished(s, n, now, [&]() SPANTEX_INLINED {
+      if (n + 1 < quads) next = blended.begin(s, n + 1);
+    }, number[n]);
+    now = next;
+  }
+  light::coded(number, out);
+  write(work, b.sx + k, work.masks[b.first + k], out, b.how);
+  return true;
+}
+
 // False where a quad's sections are not here.
 template <class Blender, class Span>
 SPANTEX_INLINE bool blend_span(const row_work& work, const batch& b, int k, const Span& s) {
-  if (work.masks[b.first + k] == ~span_mask(0) && s.fit == 0xF) [[likely]] {
+  if constexpr (blends_light<Blender>) {
+    return blend_in_light<Blender>(work, b, k, s);
+  } else if (work.masks[b.first + k] == ~span_mask(0) && s.fit == 0xF) [[likely]] {
     write_quads<Blender>(work.texels->blocks(), s, b.how, first_of_span(work, b.sx + k), work.stride);
     return true;
+  } else {
+    using given = std::conditional_t<sizeof(Span) <= 32, Span, const Span&>;
+    return blend_some<Blender, given>(work, b, k, s);
   }
-  using given = std::conditional_t<sizeof(Span) <= 32, Span, const Span&>;
-  return blend_some<Blender, given>(work, b, k, s);
 }
 
 template <bool TwoLevels, int Channels, bool Scaled = false>
 SPANTEX_INLINE bool blend_span(const row_work& work, const batch& b, int k, const level_span& s) {
   const auto blended = [&]<taken Levels, held_in Fine>() SPANTEX_INLINED {
-    return blend_span<quad_blender<TwoLevels, Levels, Channels, Fine, Scaled>>(work, b, k, s);
+    return blend_span<blender_of<TwoLevels, Levels, Channels, Fine, Scaled>>(work, b, k, s);
   };
   const auto by_width = [&]<taken Levels>() SPANTEX_INLINED {
     switch (s.fine_in) {
@@ -345,7 +424,7 @@ SPANTEX_INLINE void by_places(const auto& p, int k, bool alone, auto&& blended) 
 
 template <bool TwoLevels, int Channels, taken Levels, held_in Fine, held_in After>
 SPANTEX_INLINE void blend_placed(const row_work& work, const batch& b, int k, const span_pixels& pixels, const batch_places& p) {
-  blend_span<quad_blender<TwoLevels, Levels, Channels, Fine, false, batch_places::more_bits>>(work, b, k, placed_span<After>{&pixels, p, k});
+  blend_span<blender_of<TwoLevels, Levels, Channels, Fine, false, batch_places::more_bits>>(work, b, k, placed_span<After>{&pixels, p, k});
 }
 
 // Those that are on two whole levels, have more than sixteen rows of the fine one, or more than eight rows or columns of coarser ones. Seldom called: see blend_some().
@@ -380,7 +459,7 @@ template <bool TwoLevels, int Channels>
 [[gnu::noinline]] void blend_scaled(const row_work& work, const batch& b, int k, bool alone, span_pixels& pixels, const scaled_places& p) {
   count_from_origin(b, k, pixels);
   by_places<TwoLevels>(p, k, alone, [&]<taken Levels, held_in Fine>() SPANTEX_INLINED {
-    blend_span<quad_blender<TwoLevels, Levels, Channels, Fine>>(work, b, k, placed_scaled_span{&pixels, p, k});
+    blend_span<blender_of<TwoLevels, Levels, Channels, Fine>>(work, b, k, placed_scaled_span{&pixels, p, k});
   });
 }
 template <bool TwoLevels, int Channels>

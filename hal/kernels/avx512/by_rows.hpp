@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // AVX-512 kernel: what local memory does not hold: the other machines' kernel, with sixteen lanes. Texels are gathered if SPANTEX_GATHERS, else loaded one by one.
-// In linear light if SPANTEX_LINEAR: everything. Included by ../avx512_gathers.cpp, ../avx512_loads.cpp and ../avx512_linear_light.cpp alone.
+// In linear light if SPANTEX_LINEAR. Included by ../avx512_gathers.cpp, ../avx512_loads.cpp and ../avx512_linear_light_rows.cpp alone.
 #pragma once
 #include "../avx512_rows.hpp"
 #include "../linear_light.hpp"
@@ -36,16 +36,17 @@ constexpr int width = 16;
 #include "../vectors/move_texels.hpp"
 #if SPANTEX_LINEAR
 #include "../vectors/linear_rows.hpp"
+using linear_light::draw_planned;
+void draw_any_row(const row_work& work) { draw_by_filter({}, linear_light::rows, work); }
 #else
 #include "../vectors/pixels.hpp"
 #include "../vectors/spans.hpp"
 #include "../vectors/aniso.hpp"
 #include "../vectors/kernel.hpp"
-
 void draw_any_row(const row_work& work) { draw_by_filter(rows, {}, work); }
+#endif
 
 constexpr row_reader reader{draw_any_row, draw_planned<filter::aniso>};
-#endif
 
 }  // namespace
 }  // namespace spantex::kernels

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// AVX-512 kernel: how eight spans' steps on the screen lie on the map: terms of the level of detail and of the footprint. Included by ../avx512.cpp alone.
+// AVX-512 kernel: how eight spans' steps on the screen lie on the map: terms of the level of detail and of the footprint. Included by by_blocks.hpp alone.
 #pragma once
 
 // shift_right_symmetric(): nothing is added where nothing is shifted, as 1 shifted by -1 is 0.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// AVX-512 kernel: fetch, filter and write-out of sixteen pixels. Included by ../avx512.cpp alone.
+// AVX-512 kernel: fetch, filter and write-out of sixteen pixels. Included by by_blocks.hpp alone.
 #pragma once
 
 // Of opaque maps alpha is not interpolated: the last channel has it above its bits, from what is added to it.

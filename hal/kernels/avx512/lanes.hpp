@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// AVX-512 kernel: the arithmetic of the set-up in lanes. Included by ../avx512.cpp alone, inside its target and namespace.
+// AVX-512 kernel: the arithmetic of the set-up in lanes. Included by by_blocks.hpp alone, inside its target and namespace.
 #pragma once
 
 constexpr profile q = profiles::standard;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// AVX-512 kernel: levels of detail of a span's pixels. Included by ../avx512.cpp alone.
+// AVX-512 kernel: levels of detail of a span's pixels. Included by by_blocks.hpp alone.
 #pragma once
 
 // finer() of a level in 2^-8 that has the bias in full: its limits are whole numbers of those; clamped.

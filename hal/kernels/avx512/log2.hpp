@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// AVX-512 kernel: log2 in 32-bit lanes. Included by ../avx512.cpp alone.
+// AVX-512 kernel: log2 in 32-bit lanes. Included by by_blocks.hpp alone.
 #pragma once
 
 // log2 at the 64 knots, and how far it is to the next: u.16.

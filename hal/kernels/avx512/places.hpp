@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // AVX-512 kernel: sections of local memory of eight spans at once, a lane for each span and axis. Of spans of which what is planned tells where their
-// quads lie; of others sections.hpp asks the pixels. Included by ../avx512.cpp alone.
+// quads lie; of others sections.hpp asks the pixels. Included by by_blocks.hpp alone.
 #pragma once
 
 SPANTEX_INLINE v16 both_axes(__m256i u, __m256i v) { return _mm512_inserti64x4(_mm512_castsi256_si512(u), v, 1); }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// AVX-512 kernel: eight spans planned at once, one 64-bit lane each. Included by ../avx512.cpp alone.
+// AVX-512 kernel: eight spans planned at once, one 64-bit lane each. Included by by_blocks.hpp alone.
 // A plan is a long chain of dependent operations: it is made in parts between the spans of the batch before, whose pixels fill the gaps.
 #pragma once
 

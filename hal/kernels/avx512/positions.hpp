@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// AVX-512 kernel: texture positions of a span's 64 pixels. Included by ../avx512.cpp alone.
+// AVX-512 kernel: texture positions of a span's 64 pixels. Included by by_blocks.hpp alone.
 #pragma once
 
 // Offsets from the base texel: value 2^-bits, to be rounded by adding half and cutting.

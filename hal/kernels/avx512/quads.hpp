@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// AVX-512 kernel: how a span's 64 pixels are cut into four quads of sixteen, a register each. Included by ../avx512.cpp alone.
+// AVX-512 kernel: how a span's 64 pixels are cut into four quads of sixteen, a register each. Included by by_blocks.hpp alone.
 //
 // What a quad takes must lie in local memory together. Where the map is minified along one axis of the screen alone, as on a floor or a wall to the side, square
 // quads reach far along that axis and hardly along the other; quads two pixels high, or wide, reach as far as they need to along both.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// AVX-512 kernel: positions on levels whose sides do not halve exactly, and the sections of eight spans there. Included by ../avx512.cpp alone.
+// AVX-512 kernel: positions on levels whose sides do not halve exactly, and the sections of eight spans there. Included by by_blocks.hpp alone.
 #pragma once
 
 // The upper halves of products.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// AVX-512 kernel: the sections of local memory of a span's quads. Included by ../avx512.cpp alone.
+// AVX-512 kernel: the sections of local memory of a span's quads. Included by by_blocks.hpp alone.
 #pragma once
 
 // A quad's corner a 16 bytes, four quads: their positions lie between these, rounding apart.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// AVX-512 kernel: a span by each filter. Included by ../avx512.cpp alone.
+// AVX-512 kernel: a span by each filter. Included by by_blocks.hpp alone.
 #pragma once
 
 // --- what registers do not hold ------------------------------------------------------------------------
@@ -38,16 +38,25 @@ SPANTEX_INLINE bool draw_bilinear(const row_work& work, const batch& b, int k) {
   const planar_map& map = *work.texels;
   offsets o = offsets_of<quad_form>(b, k);
   sampling<up_of_one> from;
-  colouring as;
+  std::conditional_t<in_light(Channels), light::constants<light::rounds::one>, colouring> as;
   v16 out[quads];
+  [[maybe_unused]] v16 number[quads][interpolated(Channels)];
   // Quad n's section, and what leads to positions in it, u and v.
   const auto drawn = [&]<held_in Where>(int bits, auto&& section, auto&& from_u, auto&& from_v) SPANTEX_INLINED {
     const offset_fields& at = fields_of_offsets.with_bits[bits];
 #pragma GCC unroll 4
     for (int n = 0; n < quads; ++n) {
       const v16 u = _mm512_add_epi32(o.u[n], set32(from_u(n))), v = _mm512_add_epi32(o.v[n], set32(from_v(n)));
-      out[n] = bilinear16<Channels>(as, section(n), samples_of_offsets<Where>(from, at, u, v));
+      const samples s = samples_of_offsets<Where>(from, at, u, v);
+      if constexpr (in_light(Channels)) {
+        light::blended(as, section(n), s, number[n]);
+#pragma GCC unroll 4
+        for (v16& each : number[n]) each = as.even(each);
+      } else {
+        out[n] = bilinear16<Channels>(as, section(n), s);
+      }
     }
+    if constexpr (in_light(Channels)) light::coded(number, out);
   };
   if (b.placed >> k & 1) {
     keep_bits(b, k, o);

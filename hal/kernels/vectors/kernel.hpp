@@ -78,14 +78,15 @@ void draw_row(const row_work& work) {
   draw_row<Kind, false>(work);
 }
 
-#if !SPANTEX_LINEAR
 // A span of the row that is planned already.
 template <filter Kind>
-[[maybe_unused]] bool draw_planned(const row_work& work, int k, const span_coefficients& c) {
+[[maybe_unused]] bool draw_planned(const row_work& row, int k, const span_coefficients& c) {
+  const row_in_hand work{row};
   const bool masks_only = work.texels->levels_in_rows().masks_only();
-  return masks_only ? draw_span<Kind, true>(work, work.sx + k, work.masks[k], c) : draw_span<Kind, false>(work, work.sx + k, work.masks[k], c);
+  const bool drawn = masks_only ? draw_span<Kind, true>(work, work.sx + k, work.masks[k], c) : draw_span<Kind, false>(work, work.sx + k, work.masks[k], c);
+  finish(work);
+  return drawn;
 }
-#endif
 
 #if SPANTEX_LINEAR
 constexpr row_kernels rows{nullptr, draw_row<filter::bilinear>, draw_row<filter::mip_bilinear>, draw_row<filter::trilinear>, draw_row<filter::aniso>};
