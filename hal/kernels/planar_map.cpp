@@ -61,7 +61,7 @@ void planar_map::add_level(const texture_view& view, int k, size_t start) {
         for (int m = 0; m < colour_count; ++m) {
           const uint32_t x = in_light ? srgb_decoded(colours[m]) : colours[m];
           put(m, x);
-          if (in_light) put(upper_planes + m, x >> 8);
+          if (in_light) put(first_upper_plane + m, x >> 8);
         }
         put(colour_count, t.a);
       }

@@ -18,7 +18,7 @@ namespace spantex::kernels {
 
 inline constexpr int block_side = 8, block_bytes = 64;     // of one channel
 inline constexpr int stack_log2 = 3, stack_blocks = 1 << stack_log2, channel_bytes = (stack_blocks + 1) * block_bytes;
-inline constexpr int colour_count = 3, upper_planes = colour_count + 1;  // a channel is a plane; in linear light the lower bytes of colours' numbers are, and their upper ones are planes after alpha's
+inline constexpr int colour_count = 3, first_upper_plane = colour_count + 1;  // planes: red, green, blue, alpha; of sRGB maps the lower bytes of the colours' numbers, and after alpha their upper ones
 inline constexpr int apron = 2;                           // blocks on every side of a level
 inline constexpr int texel_apron = apron * block_side;    // texels on every side of the rows
 inline constexpr int max_planar_levels = 16;              // as many as one register of 32-bit lanes numbers
@@ -59,7 +59,7 @@ class planar_map {
  private:
   void add_blocks(const texture_view& view);
   void add_level(const texture_view& view, int k, size_t at);
-  int32_t block_planes() const { return levels_in_rows_.linear_light() ? upper_planes + colour_count : upper_planes; }
+  int32_t block_planes() const { return levels_in_rows_.linear_light() ? first_upper_plane + colour_count : first_upper_plane; }
   planar_levels levels_;
   std::vector<uint8_t> blocks_;
   size_t skew_ = 0;

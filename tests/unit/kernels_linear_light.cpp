@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Host kernels in linear light: sRGB maps, the same bytes as the scalar datapath.
-#include <tests/kernel_pictures.hpp>
+#include <tests/kernel_planes.hpp>
 
 #include <algorithm>
 #include <vector>
@@ -112,6 +112,13 @@ SPANTEX_CASE(planes_that_face_the_viewer) {
       }
 }
 
+SPANTEX_CASE(minified_planes) { draw_minified_planes(colour_space::srgb); }
+SPANTEX_CASE(turned_planes_between_levels) { draw_turned_planes_between_levels(colour_space::srgb); }
+SPANTEX_CASE(walls_to_the_side) { draw_walls_to_the_side(colour_space::srgb); }
+SPANTEX_CASE(floors_and_walls) { draw_floors_and_walls(colour_space::srgb); }
+SPANTEX_CASE(sheared_and_magnified_planes) { draw_sheared_and_magnified_planes(colour_space::srgb); }
+SPANTEX_CASE(levels_that_do_not_halve_exactly) { draw_levels_that_do_not_halve_exactly(colour_space::srgb); }
+
 SPANTEX_CASE(polygons_with_depth) {
   const ready_map map = srgb_map(random_map(128, 64), wrap::mirror);
   for (const filter kind : filters) draw_triangles(map, kind, 100);
@@ -131,6 +138,12 @@ int main() {
       cmocka_unit_test(random_planes_and_maps_of_any_size),
       cmocka_unit_test(rows_of_any_number_of_samples),
       cmocka_unit_test(planes_that_face_the_viewer),
+      cmocka_unit_test(minified_planes),
+      cmocka_unit_test(turned_planes_between_levels),
+      cmocka_unit_test(walls_to_the_side),
+      cmocka_unit_test(floors_and_walls),
+      cmocka_unit_test(sheared_and_magnified_planes),
+      cmocka_unit_test(levels_that_do_not_halve_exactly),
       cmocka_unit_test(polygons_with_depth),
   };
   return run_suite("kernels_linear_light", tests);

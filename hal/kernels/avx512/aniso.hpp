@@ -177,6 +177,7 @@ template <taken Levels, int Channels, held_in Fine, bool Scaled = false>
 struct row_blender : row_sums<blending<true>, Levels, Fine, Scaled> {
   using sums_of = row_sums<blending<true>, Levels, Fine, Scaled>;
   using sums_of::as;
+  static constexpr bool in_light = false;
   SPANTEX_INLINE explicit row_blender(const uint8_t* of) : sums_of(of) {}
 
   SPANTEX_INLINE v16 finished(const row_span& s, int n, const typename sums_of::begun& now, auto&& meanwhile) const {
@@ -192,6 +193,7 @@ struct light_row_blender : row_sums<light_blending<light::rounds::samples>, Leve
   using sums_of = row_sums<light_blending<light::rounds::samples>, Levels, Fine, Scaled>;
   using sums_of::as;
   SPANTEX_INLINE explicit light_row_blender(const uint8_t* of) : sums_of(of) {}
+  static constexpr bool in_light = true;
   static constexpr int channels = interpolated(Channels);
 
   SPANTEX_INLINE void finished(const row_span& s, int n, const typename sums_of::begun& now, auto&& meanwhile, v16 (&sum)[channels]) const {

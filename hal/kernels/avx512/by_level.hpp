@@ -258,6 +258,7 @@ template <bool TwoLevels, taken Levels, int Channels, held_in Fine, bool Scaled 
 struct quad_blender : level_blender<blending<TwoLevels, More>, TwoLevels, Levels, Fine, Scaled> {
   using on_levels_of = level_blender<blending<TwoLevels, More>, TwoLevels, Levels, Fine, Scaled>;
   using on_levels_of::as;
+  static constexpr bool in_light = false;
   SPANTEX_INLINE explicit quad_blender(const uint8_t* of) : on_levels_of(of) {}
 
   // A quad's pixels.
@@ -283,6 +284,7 @@ struct light_blender : level_blender<light_blending<light_rounds<TwoLevels, Chan
   using on_levels_of = level_blender<light_blending<light_rounds<TwoLevels, Channels>, More>, TwoLevels, Levels, Fine, Scaled>;
   using on_levels_of::as;
   SPANTEX_INLINE explicit light_blender(const uint8_t* of) : on_levels_of(of) {}
+  static constexpr bool in_light = true;
   static constexpr int channels = interpolated(Channels);
 
   // A quad's numbers.
@@ -303,7 +305,6 @@ struct light_blender : level_blender<light_blending<light_rounds<TwoLevels, Chan
 
 template <bool TwoLevels, taken Levels, int Channels, held_in Fine, bool Scaled = false, int More = 0>
 using blender_of = std::conditional_t<in_light(Channels), light_blender<TwoLevels, Levels, Channels, Fine, Scaled, More>, quad_blender<TwoLevels, Levels, Channels, Fine, Scaled, More>>;
-template <class Blender> constexpr bool blends_light = requires { Blender::channels; };
 
 // All of a span. No function is called here: it would take the constants out of their registers.
 template <class Blender, class Span>
@@ -359,7 +360,7 @@ template <class Blender, class Span>
   return true;
 }
 
-// The same in linear light, where codes are found of a whole span at once.
+// The same in linear light, where codes are found of a whole span at once: quads outside of the mask are blended too, and all of them must be here.
 template <class Blender, class Span>
 SPANTEX_INLINE bool blend_in_light(const row_work& work, const batch& b, int k, const Span& s) {
   if (s.fit != 0xF) return false;
@@ -382,7 +383,7 @@ SPANTEX_INLINE bool blend_in_light(const row_work& work, const batch& b, int k, 
 // False where a quad's sections are not here.
 template <class Blender, class Span>
 SPANTEX_INLINE bool blend_span(const row_work& work, const batch& b, int k, const Span& s) {
-  if constexpr (blends_light<Blender>) {
+  if constexpr (Blender::in_light) {
     return blend_in_light<Blender>(work, b, k, s);
   } else if (work.masks[b.first + k] == ~span_mask(0) && s.fit == 0xF) [[likely]] {
     write_quads<Blender>(work.texels->blocks(), s, b.how, first_of_span(work, b.sx + k), work.stride);

@@ -44,7 +44,7 @@ SPANTEX_INLINE void blended(const constants<What>& c, const quad_section<Where>&
   const auto added = [&](v16 sum, int plane) SPANTEX_INLINED { return _mm512_dpwssd_epi32(sum, _mm512_maddubs_epi16(s.u, fetch16(from, plane, s)), s.v); };
 #pragma GCC unroll 4
   for (int m = 0; m < Channels; ++m) {
-    const v16 start = m < colour_count ? _mm512_shldi_epi32(added(c.start_of_upper, upper_planes + m), c.lowest_of_start, 8) : c.start_of_alpha;
+    const v16 start = m < colour_count ? _mm512_shldi_epi32(added(c.start_of_upper, first_upper_plane + m), c.lowest_of_start, 8) : c.start_of_alpha;
     out[m] = added(start, m);
   }
 }

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+// Planes that take every way that host kernels have from the map's levels to pixels: sections of every size, one level to three.
+#pragma once
+#include <tests/kernel_pictures.hpp>
+
+namespace {
+
+// Levels of detail other than the first two, and from one to the next.
+inline void draw_minified_planes(colour_space colours) {
+  static constexpr int32_t sides[][2] = {{512, 512}, {500, 375}};
+  for (const auto& side : sides) {
+    const ready_map map(random_map(side[0], side[1]), wrap::repeat, colours);
+    for (const double scale : {2.5, 4.5}) {
+      const double m[9] = {0.62 * scale, -0.14 * scale, -12 * scale, -0.23 * scale, -0.39 * scale, 585 * scale, 0, 0.00085, 0.44};
+      plane p{};
+      SPANTEX_ASSERT_OK(make_plane(homography_of(m), {0, 0, 64, 480}, p));
+      for (const filter kind : filters) draw_all(p, map, kind, {0, 0, 64, 480}, 64, 480);
+    }
+  }
+}
+
+// Quads of two and of three blocks either way, before they take the next level; thirteen levels.
+inline void draw_turned_planes_between_levels(colour_space colours) {
+  static constexpr int32_t sides[][2] = {{512, 512}, {40, 24}, {4096, 8}, {500, 375}};
+  for (const auto& side : sides)
+    for (const wrap w : wraps) {
+      const ready_map map(random_map(side[0], side[1]), w, colours);
+      for (const double scale : {1.6, 2.2, 2.8})
+        for (const double stretch : {1.0, 3.0}) {
+          const double m[9] = {0.866 * scale * stretch, -0.5 * scale, -100, 0.5 * scale * stretch, 0.866 * scale, 20, 0, 0.0002, 1};
+          plane p{};
+          SPANTEX_ASSERT_OK(make_plane(homography_of(m), {0, 0, 96, 72}, p));
+          for (const filter kind : filters) draw_all(p, map, kind, {0, 0, 96, 72}, 96, 72);
+        }
+    }
+}
+
+// A wall to the side, minified across: quads that reach more than eight rows of a span's second level too.
+inline void draw_walls_to_the_side(colour_space colours) {
+  const double m[9] = {1.913, 0.307, 101.7, -0.211, 1.297, 702.3, 0.00115, 0.0001, 0.253};
+  plane p{};
+  SPANTEX_ASSERT_OK(make_plane(homography_of(m), {0, 0, 640, 160}, p));
+  static constexpr int32_t sides[][2] = {{512, 512}, {500, 375}};
+  for (const auto& side : sides) {
+    const ready_map map(random_map(side[0], side[1]), wrap::repeat, colours);
+    for (const filter kind : {filter::mip_bilinear, filter::trilinear}) draw_all(p, map, kind, {0, 0, 640, 160}, 640, 160);
+  }
+}
+
+// Floors and walls seen by a camera that is not rolled: W varies along one axis of the screen alone, hardly or up to what only a division holds; the map is turned, and denser across or down.
+inline void draw_floors_and_walls(colour_space colours) {
+  const ready_map even(random_map(512, 512), wrap::repeat, colours), held(random_map(256, 512), wrap::clamp, colours), uneven(random_map(500, 375), wrap::mirror, colours);
+  for (const double slope : {0.0001, 0.0006, 0.0022, 0.009, -0.0022, -0.009})
+    for (const double denser : {1., 2.6}) {
+      const double last = slope < 0 ? 0.6 : 0.09;  // of the last one's, half of the picture lies behind the viewer
+      const double both[][9] = {{0.41 * denser, -0.11, 7.3, 0.13, 0.37, 585.4, 0, slope, last}, {0.41, -0.11 * denser, 7.3, 0.13, 0.37 * denser, 585.4, slope, 0, last}};
+      for (const double (&m)[9] : both) {
+        plane p{};
+        SPANTEX_ASSERT_OK(make_plane(homography_of(m), {0, 0, 160, 96}, p));
+        for (const filter kind : filters) draw_all(p, even, kind, {0, 0, 160, 96}, 160, 96);
+        for (const ready_map* other : {&held, &uneven})
+          for (const filter kind : {filter::trilinear, filter::aniso}) draw_all(p, *other, kind, {0, 0, 160, 96}, 160, 96);
+      }
+    }
+}
+
+// Quads wider than their pixels' steps let one expect: u grows across and down alike. And texels that take many pixels: offsets are smaller than one, with many bits.
+inline void draw_sheared_and_magnified_planes(colour_space colours) {
+  const ready_map map(random_map(512, 512), wrap::repeat, colours), small(random_map(64, 64), wrap::repeat, colours), uneven(random_map(500, 375), wrap::repeat, colours);
+  for (const double scale : {1.35, 1.9, 2.7, 5.4, 0.11, 0.021, 0.006, 0.0013})
+    for (const double other : {0.04, -0.3}) {
+      const double m[9] = {scale, scale, 100.4, other * scale, -other * scale, 20.4, 0, 0.0001 * scale, 1};
+      plane p{};
+      SPANTEX_ASSERT_OK(make_plane(homography_of(m), {0, 0, 160, 96}, p));
+      for (const filter kind : filters) draw_all(p, map, kind, {0, 0, 160, 96}, 160, 96);
+      if (scale < 1) continue;
+      for (const filter kind : {filter::mip_bilinear, filter::trilinear}) draw_all(p, uneven, kind, {0, 0, 160, 96}, 160, 96);
+      const double turned[9] = {m[3], m[4], m[5], m[0], m[1], m[2], m[6], m[7], m[8]};  // more rows than columns
+      SPANTEX_ASSERT_OK(make_plane(homography_of(turned), {0, 0, 160, 96}, p));
+      for (const ready_map* each : {&map, &small, &uneven})
+        for (const filter kind : {filter::mip_bilinear, filter::trilinear}) draw_all(p, *each, kind, {0, 0, 160, 96}, 160, 96);
+    }
+}
+
+// Sides whose halves are rounded down, to powers of two too: positions on their levels are products, of positions from the origin, however far.
+inline void draw_levels_that_do_not_halve_exactly(colour_space colours) {
+  static constexpr int32_t sides[][2] = {{500, 375}, {640, 480}, {100, 37}, {7, 300}, {300, 250}, {96, 80}, {257, 129}, {1080, 512}};
+  for (const auto& side : sides)
+    for (const wrap w : wraps) {
+      const ready_map map(random_map(side[0], side[1]), w, colours);
+      for (const double far : {0.0, 19777.3, -20011.9})
+        for (const double scale : {0.6, 3.1, 11.0}) {
+          const double stretch = scale < 3 ? 4.3 : 1;  // rows of samples
+          const double m[9] = {0.81 * scale * stretch, 0.33 * scale * stretch, far, -0.29 * scale, 0.77 * scale, 0.7 * far + 13, 0.0003, 0.0007, 1};
+          plane p{};
+          SPANTEX_ASSERT_OK(make_plane(homography_of(m), {0, 0, 96, 40}, p));
+          for (const filter kind : {filter::mip_bilinear, filter::trilinear, filter::aniso}) draw_all(p, map, kind, {0, 0, 96, 40}, 96, 40);
+        }
+    }
+  for (const wrap w : wraps) {
+    const ready_map map(random_map(500, 375), w, colours);
+    for (const filter kind : filters)
+      for (int k = 0; k < 2; ++k) draw_all(sample_plane(k), map, kind, {0, 0, 640, 480}, 640, 480, 4800 / 100);
+  }
+}
+
+}  // namespace
