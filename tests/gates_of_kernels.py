@@ -79,7 +79,6 @@ KERNEL_GATES = [
     ("kernels in linear light: a row's last span left unfinished", "hal/kernels/vectors/kernel.hpp", "  finish(work);\n}\n", "}\n", "kernels_linear_light", "ordinary*", KERNELS),
     ("kernels in linear light: a span finished as the one after it", "hal/kernels/vectors/spans.hpp", "  work.before_sx = sx;", "  work.before_sx = work.sx;", "kernels_linear_light", "ordinary*", KERNELS),
     ("kernels in linear light: a span lost when the next one is drawn", "hal/kernels/vectors/spans.hpp", "  finish(work);\n  for (int n", "  for (int n", "kernels_linear_light", "ordinary*", KERNELS),
-    ("AVX-512 in linear light: between two levels cut off", "hal/kernels/vectors/linear_light.hpp", "_mm512_shldi_epi32(raw(x), _mm512_set1_epi32(-1), ones)", "_mm512_slli_epi32(raw(x), ones)", "kernels_linear_light", "minified_planes", KERNELS),
     ("AVX-512 in linear light: halves always up", "hal/kernels/vectors/linear_light.hpp", "return add_products(v(y), v(y) & one, one);", "return add_products(v(y), one, one);", "kernels_linear_light", "dark_maps", KERNELS),
     ("AVX-512 in linear light: maps with alpha taken for opaque", "hal/kernels/vectors/spans.hpp", " && work.texels->opaque()) [[likely]]", ") [[likely]]", "kernels_linear_light", "ordinary*", KERNELS),
     ("AVX-512's codes of linear light: one of them begins a number early", "hal/kernels/avx512/code_tables.hpp", "low[c] = uint8_t(first_number_of(c + 1) - 1);", "low[c] = uint8_t(first_number_of(c + 1) - 1 - (c == 201));", "kernels_linear_light", "every_number_is*", KERNELS),

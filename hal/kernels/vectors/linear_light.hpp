@@ -173,11 +173,7 @@ SPANTEX_INLINE unfinished pixels_of(const blends& b) {
 // In upper halves, what kept_and_more() kept: ones behind it make 2^15 - 1 of kept_more.
 SPANTEX_INLINE v_32 with_rounding(v x) {
   constexpr int ones = 16 - q.blend_bits;
-#if SPANTEX_AVX512
-  return v_32(_mm512_shldi_epi32(raw(x), _mm512_set1_epi32(-1), ones));
-#else
   return (v_32(x) << ones) + ((1 << ones) - 1);
-#endif
 }
 
 // Two levels; fraction of 256 a lane.
