@@ -132,7 +132,7 @@ KERNEL_GATES = [
 if "avx512_vbmi2" in pathlib.Path("/proc/cpuinfo").read_text():
     KERNEL_GATES += [
         ("AVX-512 in linear light, local memory: between two levels cut off", "hal/kernels/avx512/light.hpp", "_mm512_shldi_epi32(x, _mm512_set1_epi32(-1), 16 - q.blend_bits)", "_mm512_slli_epi32(x, 16 - q.blend_bits)", "kernels_linear_light", "dark_maps", KERNELS),
-        ("AVX-512 in linear light, local memory: halves always up", "hal/kernels/avx512/light.hpp", "_mm512_dpwssd_epi32(x, _mm512_and_si512(x, one), one)", "_mm512_dpwssd_epi32(x, one, one)", "kernels_linear_light", "dark_maps", KERNELS),
+        ("AVX-512 in linear light, local memory: halves always up", "hal/kernels/avx512/filters.hpp", "_mm512_dpwssd_epi32(x, _mm512_and_si512(x, one), one)", "_mm512_dpwssd_epi32(x, one, one)", "kernels_linear_light", "dark_maps", KERNELS),
         ("AVX-512 in linear light, local memory: a level's colour cut off", "hal/kernels/avx512/light.hpp", "half_of_kept = 1 << (kept_drop - 1)", "half_of_kept = 0", "kernels_linear_light", "dark_maps", KERNELS),
         ("AVX-512 in linear light, local memory: sums begin without what their upper bytes' shift leaves", "hal/kernels/avx512/light.hpp", "c.lowest_of_start, 8)", "_mm512_setzero_si512(), 8)", "kernels_linear_light", "dark_maps", KERNELS),
         ("AVX-512 in linear light, local memory: alpha taken for light", "hal/kernels/avx512/light.hpp", "start_of(What, 0x80))", "start_of(What, 0x8080))", "kernels_linear_light", "ordinary*", KERNELS),
@@ -141,7 +141,7 @@ if "avx512_vbmi2" in pathlib.Path("/proc/cpuinfo").read_text():
         ("AVX-512 in linear light, local memory: means' halves up", "hal/kernels/avx512/light.hpp", "_mm512_mask_andnot_epi32(whole, tie, of32<1>(), whole)", "whole", "kernels_linear_light", "dark_maps", KERNELS),
         ("AVX-512 in linear light, local memory: a sum of two samples taken for one", "hal/kernels/avx512/aniso.hpp", "light::of_samples<2>(", "light::of_samples<1>(", "kernels_linear_light", "ordinary*", KERNELS),
         ("AVX-512 in linear light, local memory: samples not counted", "hal/kernels/avx512/aniso.hpp", "_mm512_mask_add_epi32(to, counted, to,", "_mm512_add_epi32(to,", "kernels_linear_light", "rows_of*", KERNELS),
-        ("AVX-512 in linear light, local memory: a row of one sample taken for the sample", "hal/kernels/avx512_linear_light.cpp", "of_light_samples : of_light", "of_light : of_light", "kernels_linear_light", "dark_maps", KERNELS),
+        ("AVX-512 in linear light, local memory: a row of one sample taken for the sample", "hal/kernels/avx512_linear_light.cpp", "colours_as::samples_in_light : colours_as::light", "colours_as::light : colours_as::light", "kernels_linear_light", "dark_maps", KERNELS),
         ("AVX-512 in linear light, local memory: quads that are not here", "hal/kernels/avx512/by_level.hpp", "  if (s.fit != 0xF) return false;\n", "", "kernels_linear_light", "minified_planes", KERNELS),
         ("AVX-512 in linear light, local memory: levels in 512ths", "hal/kernels/avx512/light.hpp", "_mm512_slli_epi32(fraction, 16 - between_bits)", "_mm512_slli_epi32(fraction, 15 - between_bits)", "kernels_linear_light", "dark_maps", KERNELS),
         ("AVX-512 in linear light, local memory: upper bytes of red's", "hal/kernels/avx512/light.hpp", "first_upper_plane + m), c.", "first_upper_plane), c.", "kernels_linear_light", "ordinary*", KERNELS),

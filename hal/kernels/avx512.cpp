@@ -49,9 +49,9 @@ void draw_row_by_blocks(const row_work& work, plans_of_left<Kind>& left) {
   if constexpr (Kind == filter::nearest) {
     if (!draw_affine_row<Gathers>(work)) draw_row_of_nearest<Gathers>(work);
   } else if (work.texels->opaque()) {
-    draw_batches<Kind, 3>(work, left);
+    draw_batches<Kind, texel_kind{3, colours_as::codes}>(work, left);
   } else {
-    draw_batches<Kind, 4>(work, left);
+    draw_batches<Kind, texel_kind{4, colours_as::codes}>(work, left);
   }
 }
 

@@ -10,10 +10,10 @@ namespace {
 
 template <filter Kind>
 void draw_row(const row_work& work) {
-  constexpr int light = uses_footprint(Kind) ? of_light_samples : of_light;
+  constexpr colours_as light = uses_footprint(Kind) ? colours_as::samples_in_light : colours_as::light;
   plans_of_left<Kind> left;
-  if (work.texels->opaque()) draw_batches<Kind, light + 3>(work, left);
-  else draw_batches<Kind, light + 4>(work, left);
+  if (work.texels->opaque()) draw_batches<Kind, texel_kind{3, light}>(work, left);
+  else draw_batches<Kind, texel_kind{4, light}>(work, left);
   draw_left<Kind>(work, left, linear_light_reader());
 }
 

@@ -33,12 +33,11 @@ planar_map::planar_map(const texture_view& view, layout of)
 }
 
 void planar_map::add_blocks(const texture_view& view) {
-  const size_t stack_bytes = size_t(block_planes()) * channel_bytes;
   size_t bytes = 0;
   std::vector<size_t> starts;
   for (int k = 0; k < view.level_count(); ++k) {
     starts.push_back(bytes);
-    bytes += size_t(blocks_of(wrap_u_, view.width(k)) + 2 * apron) * size_t(stacks_of(blocks_of(wrap_v_, view.height(k)))) * stack_bytes;
+    bytes += size_t(blocks_of(wrap_u_, view.width(k)) + 2 * apron) * size_t(stacks_of(blocks_of(wrap_v_, view.height(k)))) * size_t(stack_bytes());
   }
   blocks_.resize(bytes + block_bytes);
   skew_ = (block_bytes - reinterpret_cast<uintptr_t>(blocks_.data()) % block_bytes) % block_bytes;
@@ -51,9 +50,9 @@ void planar_map::add_level(const texture_view& view, int k, size_t start) {
   const std::vector<int32_t> v = wrapped(stack_rows, (stacks * stack_blocks + 1) * block_side, [&](int32_t y) { return view.wrapped_v(y, k); });
   uint8_t* at = blocks_.data() + skew_ + start;
   const bool in_light = levels_in_rows_.linear_light();
-  const int32_t stack_bytes = block_planes() * channel_bytes;
+  const int32_t bytes = stack_bytes();
   for (int32_t stack = 0; stack < stacks; ++stack)
-    for (int32_t bx = 0; bx < columns; ++bx, at += stack_bytes)
+    for (int32_t bx = 0; bx < columns; ++bx, at += bytes)
       for (int n = 0; n < channel_bytes; ++n) {
         const rgba8 t = view.texel(k, u[size_t(bx * block_side + n % block_side)], v[size_t(stack * stack_rows + n / block_side)]);
         const auto put = [&](int plane, uint32_t byte) { at[n + plane * channel_bytes] = uint8_t(byte) ^ 0x80; };
@@ -65,9 +64,9 @@ void planar_map::add_level(const texture_view& view, int k, size_t start) {
         }
         put(colour_count, t.a);
       }
-  levels_.column_bytes[k] = stack_bytes;
-  levels_.row_bytes[k] = columns * stack_bytes;
-  levels_.origin[k] = int32_t(start) + levels_.row_bytes[k] + apron * stack_bytes;
+  levels_.column_bytes[k] = bytes;
+  levels_.row_bytes[k] = columns * bytes;
+  levels_.origin[k] = int32_t(start) + levels_.row_bytes[k] + apron * bytes;
   levels_.last_column[k] = across + apron - 1;
   levels_.last_row[k] = down + apron - 1;
   levels_.period_u[k] = period(wrap_u_, view.width(k));

@@ -59,7 +59,7 @@ class planar_map {
  private:
   void add_blocks(const texture_view& view);
   void add_level(const texture_view& view, int k, size_t at);
-  int32_t block_planes() const { return levels_in_rows_.linear_light() ? first_upper_plane + colour_count : first_upper_plane; }
+  int32_t stack_bytes() const { return (levels_in_rows_.linear_light() ? first_upper_plane + colour_count : first_upper_plane) * channel_bytes; }
   planar_levels levels_;
   std::vector<uint8_t> blocks_;
   size_t skew_ = 0;

@@ -173,7 +173,7 @@ struct row_sums : Blending {
   }
 };
 
-template <taken Levels, int Channels, held_in Fine, bool Scaled = false>
+template <taken Levels, texel_kind Texels, held_in Fine, bool Scaled = false>
 struct row_blender : row_sums<blending<true>, Levels, Fine, Scaled> {
   using sums_of = row_sums<blending<true>, Levels, Fine, Scaled>;
   using sums_of::as;
@@ -181,20 +181,20 @@ struct row_blender : row_sums<blending<true>, Levels, Fine, Scaled> {
   SPANTEX_INLINE explicit row_blender(const uint8_t* of) : sums_of(of) {}
 
   SPANTEX_INLINE v16 finished(const row_span& s, int n, const typename sums_of::begun& now, auto&& meanwhile) const {
-    v16 sum[Channels] = {};
+    v16 sum[Texels.channels] = {};
     const v16 weights = as.level_weights(s.own.level[n]);
     this->add_up(s, n, now, meanwhile, [&](v16& to, v16 fine, v16 coarse, __mmask16 counted) SPANTEX_INLINED { to = as.summed(to, fine, coarse, _mm512_maskz_mov_epi32(counted, weights)); }, sum);  // of one level, the other weight is 0
     return mean_of(as, s, n, sum);
   }
 };
 
-template <taken Levels, int Channels, held_in Fine, bool Scaled = false>
+template <taken Levels, texel_kind Texels, held_in Fine, bool Scaled = false>
 struct light_row_blender : row_sums<light_blending<light::rounds::samples>, Levels, Fine, Scaled> {
   using sums_of = row_sums<light_blending<light::rounds::samples>, Levels, Fine, Scaled>;
   using sums_of::as;
   SPANTEX_INLINE explicit light_row_blender(const uint8_t* of) : sums_of(of) {}
   static constexpr bool in_light = true;
-  static constexpr int channels = interpolated(Channels);
+  static constexpr int channels = Texels.channels;
 
   SPANTEX_INLINE void finished(const row_span& s, int n, const typename sums_of::begun& now, auto&& meanwhile, v16 (&sum)[channels]) const {
     const v16 fraction = light::fraction_of(s.own.level[n]), number = s.samples[n];
@@ -214,13 +214,13 @@ struct light_row_blender : row_sums<light_blending<light::rounds::samples>, Leve
   }
 };
 
-template <taken Levels, int Channels, held_in Fine, bool Scaled>
+template <taken Levels, texel_kind Texels, held_in Fine, bool Scaled>
 SPANTEX_INLINE bool blend_rows(const row_work& work, const batch& b, int k, const row_span& s) {
-  return blend_span<std::conditional_t<in_light(Channels), light_row_blender<Levels, Channels, Fine, Scaled>, row_blender<Levels, Channels, Fine, Scaled>>>(work, b, k, s);
+  return blend_span<std::conditional_t<Texels.in_light(), light_row_blender<Levels, Texels, Fine, Scaled>, row_blender<Levels, Texels, Fine, Scaled>>>(work, b, k, s);
 }
 
 // Rows of pixels whose shapes are known; nu, nv: J times the major axis' direction. False where they are too long.
-template <int Channels, bool Scaled>
+template <texel_kind Texels, bool Scaled>
 SPANTEX_INLINE bool draw_rows(const row_work& work, const batch& b, int k, const offsets& o, const v16 (&nu)[quads], const v16 (&nv)[quads], row_span& s) {
   constexpr int32_t half_of_longest = longest_row << 15;
   const int drop = b.axis_exponent[k] - 17;  // 3 or more
@@ -262,20 +262,20 @@ SPANTEX_INLINE bool draw_rows(const row_work& work, const batch& b, int k, const
     if (_mm512_cmpneq_epi32_mask(whole_of<true>(s.own.level[n]), set32(s.first_level[n])) != 0) s.fit &= ~(1u << n);
   const auto by_width = [&]<taken Levels>() SPANTEX_INLINED {
     switch (s.fine_in) {
-      case held_in::shallow: return blend_rows<Levels, Channels, held_in::shallow, Scaled>(work, b, k, s);
-      case held_in::narrow: return blend_rows<Levels, Channels, held_in::narrow, Scaled>(work, b, k, s);
-      default: return blend_rows<Levels, Channels, held_in::full, Scaled>(work, b, k, s);
+      case held_in::shallow: return blend_rows<Levels, Texels, held_in::shallow, Scaled>(work, b, k, s);
+      case held_in::narrow: return blend_rows<Levels, Texels, held_in::narrow, Scaled>(work, b, k, s);
+      default: return blend_rows<Levels, Texels, held_in::full, Scaled>(work, b, k, s);
     }
   };
   return s.one_level ? by_width.template operator()<taken::one>() : by_width.template operator()<taken::all>();
 }
 
-template <int Channels>
+template <texel_kind Texels>
 [[gnu::noinline]] bool draw_scaled_rows(const row_work& work, const batch& b, int k, const offsets& o, const v16 (&nu)[quads], const v16 (&nv)[quads], row_span& s) {
-  return draw_rows<Channels, true>(work, b, k, o, nu, nv, s);
+  return draw_rows<Texels, true>(work, b, k, o, nu, nv, s);
 }
 
-template <int Channels>
+template <texel_kind Texels>
 SPANTEX_INLINE bool draw_aniso(const row_work& work, const batch& b, int k) {
   const bool flat = b.level >> k & 1;
   row_span span;
@@ -300,8 +300,8 @@ SPANTEX_INLINE bool draw_aniso(const row_work& work, const batch& b, int k) {
     take(o, span.own);
     span.bits = o.bits;
     span.half = o.half;
-    return scaled ? draw_at_scaled_levels<true, Channels>(work, b, k, span) : draw_at_levels<true, Channels>(work, b, k, span);
+    return scaled ? draw_at_scaled_levels<true, Texels>(work, b, k, span) : draw_at_levels<true, Texels>(work, b, k, span);
   }
   span.most = some_take(of32<least_ratio_of(4)>()) ? 4 : some_take(of32<least_ratio_of(3)>()) ? 3 : 2;
-  return scaled ? draw_scaled_rows<Channels>(work, b, k, o, nu, nv, span) : draw_rows<Channels, false>(work, b, k, o, nu, nv, span);
+  return scaled ? draw_scaled_rows<Texels>(work, b, k, o, nu, nv, span) : draw_rows<Texels, false>(work, b, k, o, nu, nv, span);
 }

@@ -3,7 +3,7 @@
 #pragma once
 
 // Whether quads of the row's span k take, on level 0, more texels across than two blocks hold wherever they begin: their three pixels are more than 7 texels.
-// Below, a span from local memory takes five sixths of what it takes by rows; beyond, what is planned in vain takes up to half as much again. `unknown`: spans
+// Of colours as coded, a span below that takes five sixths from local memory of what it takes by rows; beyond, what is planned in vain takes up to half as much again. `unknown`: spans
 // behind the viewer, and those that a plan could not tell either.
 enum class unknown : bool { held, beyond };
 bool beyond_sections(const row_work& work, int k, unknown taken_for) {
@@ -102,14 +102,14 @@ SPANTEX_INLINE uint32_t spans_of(const row_work& work, const batch& b) {
 }
 
 // One after another.
-template <filter Kind, int Channels>
+template <filter Kind, texel_kind Texels>
 SPANTEX_INLINE void draw_batch(const row_work& work, const batch& b, uint32_t spans, next_batch<Kind>& next, plans_of_left<Kind>& left) {
   bool held = true;  // a span after one that local memory does not hold is left as well: it is like it as a rule
   for (int k = 0; k < batch_size; ++k) {
     if (k < plan_parts) next.part(k);
     if (!(spans >> k & 1)) continue;
-    if constexpr (Kind == filter::bilinear) held = held && draw_bilinear<Channels>(work, b, k);
-    else held = held && draw_aniso<Channels>(work, b, k);
+    if constexpr (Kind == filter::bilinear) held = held && draw_bilinear<Texels>(work, b, k);
+    else held = held && draw_aniso<Texels>(work, b, k);
     if (held) continue;
     work.left[b.first + k] = true;
     left.keep(work, b, k);
@@ -171,7 +171,7 @@ SPANTEX_INLINE batch_levels find_facing_levels(const row_work& work, const batch
   return {_mm256_add_epi32(level, _mm256_set1_epi32(to_whole<TwoLevels>)), scaled, all, alone, 0};
 }
 
-template <filter Kind, int Channels>
+template <filter Kind, texel_kind Texels>
 SPANTEX_INLINE void draw_batch_on_levels(const row_work& work, const batch& b, uint32_t spans, next_batch<Kind>& next) {
   constexpr bool two = Kind == filter::trilinear;
   alignas(64) span_pixels of[batch_size];
@@ -184,23 +184,23 @@ SPANTEX_INLINE void draw_batch_on_levels(const row_work& work, const batch& b, u
   if (scaled != 0) [[unlikely]] place_scaled_spans<two>(work, b, spans & scaled & alike, alone, whole, others);
   for (int k = 0; k < batch_size; ++k) {
     if (k < plan_parts) next.part(k);
-    if (places.placed >> k & 1) blend_placed<two, Channels>(work, b, k, alone >> k & 1, crossing >> k & 1, of[k], places);
+    if (places.placed >> k & 1) blend_placed<two, Texels>(work, b, k, alone >> k & 1, crossing >> k & 1, of[k], places);
   }
   spans &= ~places.placed;
   for (int k = 0; spans >> k != 0; ++k) {
     if (!(spans >> k & 1)) continue;
     if (others.placed >> k & 1) {
-      blend_scaled<two, Channels>(work, b, k, alone >> k & 1, of[k], others);
+      blend_scaled<two, Texels>(work, b, k, alone >> k & 1, of[k], others);
       continue;
     }
     if (b.magnified >> k & 1)
       for (v16& each : of[k].level) each = _mm512_setzero_si512();
-    work.left[b.first + k] = !draw_by_itself<two, Channels>(work, b, k, scaled >> k & 1, of[k]);
+    work.left[b.first + k] = !draw_by_itself<two, Texels>(work, b, k, scaled >> k & 1, of[k]);
   }
 }
 
 // A batch is drawn while the next one is planned.
-template <filter Kind, int Channels>
+template <filter Kind, texel_kind Texels>
 void draw_batches(const row_work& work, plans_of_left<Kind>& left) {
   const batch_order order(work, Kind);
   int planned = order.next(0);
@@ -212,8 +212,8 @@ void draw_batches(const row_work& work, plans_of_left<Kind>& left) {
   for (int turn = 0;; turn ^= 1) {
     const batch& b = two[turn];
     next_batch<Kind> next{work, steps, s, planned, two[turn ^ 1]};
-    if constexpr (uses_levels(Kind) && !uses_footprint(Kind)) draw_batch_on_levels<Kind, Channels>(work, b, spans, next);
-    else draw_batch<Kind, Channels>(work, b, spans, next, left);
+    if constexpr (uses_levels(Kind) && !uses_footprint(Kind)) draw_batch_on_levels<Kind, Texels>(work, b, spans, next);
+    else draw_batch<Kind, Texels>(work, b, spans, next, left);
     if (planned >= work.count) return;
     spans = spans_of(work, next.b);
     planned = order.next(planned + batch_size);

@@ -254,38 +254,39 @@ struct level_blender : Blending {
   }
 };
 
-template <bool TwoLevels, taken Levels, int Channels, held_in Fine, bool Scaled = false, int More = 0>
+template <bool TwoLevels, taken Levels, texel_kind Texels, held_in Fine, bool Scaled = false, int More = 0>
 struct quad_blender : level_blender<blending<TwoLevels, More>, TwoLevels, Levels, Fine, Scaled> {
   using on_levels_of = level_blender<blending<TwoLevels, More>, TwoLevels, Levels, Fine, Scaled>;
   using on_levels_of::as;
   static constexpr bool in_light = false;
+  static constexpr int channels = Texels.channels;
   SPANTEX_INLINE explicit quad_blender(const uint8_t* of) : on_levels_of(of) {}
 
   // A quad's pixels.
   template <class Span>
   SPANTEX_INLINE v16 finished(const Span& s, int n, const typename on_levels_of::begun& now, auto&& meanwhile) const {
-    v16 fine[Channels], coarse[Channels];
+    v16 fine[channels], coarse[channels];
     this->on_levels(s, n, now, meanwhile, fine, coarse);
     const v16 weights = as.level_weights(s.pixels->level[n]);
 #pragma GCC unroll 4
-    for (int m = 0; m < Channels; ++m) {
-      const v16 half = as.template rounding_of<Channels>(m);
+    for (int m = 0; m < channels; ++m) {
+      const v16 half = as.template rounding_of<channels>(m);
       fine[m] = !TwoLevels ? as.even(fine[m]) : Levels == taken::one ? as.on_one_level(fine[m], half) : as.between_levels(fine[m], coarse[m], weights, half);
     }
     return as.packed(fine);
   }
 };
 
-template <bool TwoLevels, int Channels>
-constexpr light::rounds light_rounds = of_samples_in_light(Channels) ? light::rounds::samples : TwoLevels ? light::rounds::two : light::rounds::one;
+template <bool TwoLevels, texel_kind Texels>
+constexpr light::rounds light_rounds = Texels.colours == colours_as::samples_in_light ? light::rounds::samples : TwoLevels ? light::rounds::two : light::rounds::one;
 
-template <bool TwoLevels, taken Levels, int Channels, held_in Fine, bool Scaled = false, int More = 0>
-struct light_blender : level_blender<light_blending<light_rounds<TwoLevels, Channels>, More>, TwoLevels, Levels, Fine, Scaled> {
-  using on_levels_of = level_blender<light_blending<light_rounds<TwoLevels, Channels>, More>, TwoLevels, Levels, Fine, Scaled>;
+template <bool TwoLevels, taken Levels, texel_kind Texels, held_in Fine, bool Scaled = false, int More = 0>
+struct light_blender : level_blender<light_blending<light_rounds<TwoLevels, Texels>, More>, TwoLevels, Levels, Fine, Scaled> {
+  using on_levels_of = level_blender<light_blending<light_rounds<TwoLevels, Texels>, More>, TwoLevels, Levels, Fine, Scaled>;
   using on_levels_of::as;
   SPANTEX_INLINE explicit light_blender(const uint8_t* of) : on_levels_of(of) {}
   static constexpr bool in_light = true;
-  static constexpr int channels = interpolated(Channels);
+  static constexpr int channels = Texels.channels;
 
   // A quad's numbers.
   template <class Span>
@@ -297,14 +298,14 @@ struct light_blender : level_blender<light_blending<light_rounds<TwoLevels, Chan
 #pragma GCC unroll 4
     for (int m = 0; m < channels; ++m) {
       if constexpr (!TwoLevels) fine[m] = as.even(fine[m]);
-      else if constexpr (of_samples_in_light(Channels)) fine[m] = light::of_samples(as, one ? light::sample_of(fine[m]) : light::sample_between(fine[m], coarse[m], fraction));
+      else if constexpr (Texels.colours == colours_as::samples_in_light) fine[m] = light::of_samples(as, one ? light::sample_of(fine[m]) : light::sample_between(fine[m], coarse[m], fraction));
       else fine[m] = one ? light::of_one_level(as, fine[m]) : light::between(as, fine[m], coarse[m], fraction);
     }
   }
 };
 
-template <bool TwoLevels, taken Levels, int Channels, held_in Fine, bool Scaled = false, int More = 0>
-using blender_of = std::conditional_t<in_light(Channels), light_blender<TwoLevels, Levels, Channels, Fine, Scaled, More>, quad_blender<TwoLevels, Levels, Channels, Fine, Scaled, More>>;
+template <bool TwoLevels, taken Levels, texel_kind Texels, held_in Fine, bool Scaled = false, int More = 0>
+using blender_of = std::conditional_t<Texels.in_light(), light_blender<TwoLevels, Levels, Texels, Fine, Scaled, More>, quad_blender<TwoLevels, Levels, Texels, Fine, Scaled, More>>;
 
 // All of a span. No function is called here: it would take the constants out of their registers.
 template <class Blender, class Span>
@@ -394,10 +395,10 @@ SPANTEX_INLINE bool blend_span(const row_work& work, const batch& b, int k, cons
   }
 }
 
-template <bool TwoLevels, int Channels, bool Scaled = false>
+template <bool TwoLevels, texel_kind Texels, bool Scaled = false>
 SPANTEX_INLINE bool blend_span(const row_work& work, const batch& b, int k, const level_span& s) {
   const auto blended = [&]<taken Levels, held_in Fine>() SPANTEX_INLINED {
-    return blend_span<blender_of<TwoLevels, Levels, Channels, Fine, Scaled>>(work, b, k, s);
+    return blend_span<blender_of<TwoLevels, Levels, Texels, Fine, Scaled>>(work, b, k, s);
   };
   const auto by_width = [&]<taken Levels>() SPANTEX_INLINED {
     switch (s.fine_in) {
@@ -423,16 +424,16 @@ SPANTEX_INLINE void by_places(const auto& p, int k, bool alone, auto&& blended) 
   by_width.template operator()<taken::one>();
 }
 
-template <bool TwoLevels, int Channels, taken Levels, held_in Fine, held_in After>
+template <bool TwoLevels, texel_kind Texels, taken Levels, held_in Fine, held_in After>
 SPANTEX_INLINE void blend_placed(const row_work& work, const batch& b, int k, const span_pixels& pixels, const batch_places& p) {
-  blend_span<blender_of<TwoLevels, Levels, Channels, Fine, false, batch_places::more_bits>>(work, b, k, placed_span<After>{&pixels, p, k});
+  blend_span<blender_of<TwoLevels, Levels, Texels, Fine, false, batch_places::more_bits>>(work, b, k, placed_span<After>{&pixels, p, k});
 }
 
 // Those that are on two whole levels, have more than sixteen rows of the fine one, or more than eight rows or columns of coarser ones. Seldom called: see blend_some().
-template <bool TwoLevels, int Channels>
+template <bool TwoLevels, texel_kind Texels>
 [[gnu::noinline]] void blend_rare(const row_work& work, const batch& b, int k, bool alone, bool crossing, const span_pixels& pixels, const batch_places& p) {
   const bool deep = p.deep >> k & 1, high = p.high >> k & 1, broad = p.broad >> k & 1, coarse_broad = p.coarse_broad >> k & 1;
-  const auto blended = [&]<taken Levels, held_in Fine, held_in After>() SPANTEX_INLINED { blend_placed<TwoLevels, Channels, Levels, Fine, After>(work, b, k, pixels, p); };
+  const auto blended = [&]<taken Levels, held_in Fine, held_in After>() SPANTEX_INLINED { blend_placed<TwoLevels, Texels, Levels, Fine, After>(work, b, k, pixels, p); };
   const auto by_width = [&]<taken Levels>() SPANTEX_INLINED {  // coarser sections are broad where the fine one is, and high nowhere
     if (coarse_broad) blended.template operator()<Levels, held_in::full, held_in::full>();
     else if (high) blended.template operator()<Levels, held_in::high, held_in::narrow>();
@@ -448,40 +449,40 @@ template <bool TwoLevels, int Channels>
   }
 }
 
-template <bool TwoLevels, int Channels>
+template <bool TwoLevels, texel_kind Texels>
 SPANTEX_INLINE void blend_placed(const row_work& work, const batch& b, int k, bool alone, bool crossing, span_pixels& pixels, const batch_places& p) {
   if (p.excess[k] > 0) [[unlikely]] drop_bits(p.excess[k], pixels.u, pixels.v);
-  if (crossing || ((p.coarse_deep | p.coarse_broad | p.high) >> k & 1)) [[unlikely]] return blend_rare<TwoLevels, Channels>(work, b, k, alone, crossing, pixels, p);
-  by_places<TwoLevels>(p, k, alone, [&]<taken Levels, held_in Fine>() SPANTEX_INLINED { blend_placed<TwoLevels, Channels, Levels, Fine, held_in::shallow>(work, b, k, pixels, p); });
+  if (crossing || ((p.coarse_deep | p.coarse_broad | p.high) >> k & 1)) [[unlikely]] return blend_rare<TwoLevels, Texels>(work, b, k, alone, crossing, pixels, p);
+  by_places<TwoLevels>(p, k, alone, [&]<taken Levels, held_in Fine>() SPANTEX_INLINED { blend_placed<TwoLevels, Texels, Levels, Fine, held_in::shallow>(work, b, k, pixels, p); });
 }
 
 // On levels whose sides do not halve exactly.
-template <bool TwoLevels, int Channels>
+template <bool TwoLevels, texel_kind Texels>
 [[gnu::noinline]] void blend_scaled(const row_work& work, const batch& b, int k, bool alone, span_pixels& pixels, const scaled_places& p) {
   count_from_origin(b, k, pixels);
   by_places<TwoLevels>(p, k, alone, [&]<taken Levels, held_in Fine>() SPANTEX_INLINED {
-    blend_span<blender_of<TwoLevels, Levels, Channels, Fine>>(work, b, k, placed_scaled_span{&pixels, p, k});
+    blend_span<blender_of<TwoLevels, Levels, Texels, Fine>>(work, b, k, placed_scaled_span{&pixels, p, k});
   });
 }
-template <bool TwoLevels, int Channels>
+template <bool TwoLevels, texel_kind Texels>
 [[gnu::noinline]] bool draw_at_scaled_levels(const row_work& work, const batch& b, int k, level_span& s) {
   place_scaled_span<TwoLevels>(work, b, k, s);
-  return blend_span<TwoLevels, Channels, true>(work, b, k, s);
+  return blend_span<TwoLevels, Texels, true>(work, b, k, s);
 }
 
 // Pixels whose positions and levels are known.
-template <bool TwoLevels, int Channels>
+template <bool TwoLevels, texel_kind Texels>
 SPANTEX_INLINE bool draw_at_levels(const row_work& work, const batch& b, int k, level_span& s) {
   place<TwoLevels>(*work.texels, work.last_level, b.base_u[k], b.base_v[k], reach_of(s.pixels->u, s.pixels->v, s.bits, b.base_u[k], b.base_v[k], b.how), s);
-  return blend_span<TwoLevels, Channels>(work, b, k, s);
+  return blend_span<TwoLevels, Texels>(work, b, k, s);
 }
 
 // A span that was not placed with those of its batch.
-template <bool TwoLevels, int Channels>
+template <bool TwoLevels, texel_kind Texels>
 [[gnu::noinline]] bool draw_by_itself(const row_work& work, const batch& b, int k, bool scaled, span_pixels& pixels) {
   level_span s;
   s.pixels = &pixels;
   s.bits = bits_of(b, k);
   s.half = half_of(s.bits);
-  return scaled ? draw_at_scaled_levels<TwoLevels, Channels>(work, b, k, s) : draw_at_levels<TwoLevels, Channels>(work, b, k, s);
+  return scaled ? draw_at_scaled_levels<TwoLevels, Texels>(work, b, k, s) : draw_at_levels<TwoLevels, Texels>(work, b, k, s);
 }

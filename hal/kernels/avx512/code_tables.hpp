@@ -49,7 +49,7 @@ struct alignas(64) last_numbers {
 };
 constexpr last_numbers last_number;
 
-// Of so many channels. In each quarter the codes of the first's words, then of the second's.
+// Of so many channels, step by step side by side: each is a chain of dependent operations, and a step's table is loaded once. In each quarter the codes of the first's words, then of the second's.
 template <int Channels>
 SPANTEX_INLINE void codes_of_words(const __m512i* first, const __m512i* second, __m512i (&codes)[Channels]) {
   using raw = __m512i;
@@ -75,10 +75,12 @@ SPANTEX_INLINE void codes_of_words(const __m512i* first, const __m512i* second, 
     const words base = together(low[m], high[m]);
     codes[m] = _mm512_packus_epi16(guessed(first[m], slope[m].first, base.first), guessed(second[m], slope[m].second, base.second));
   });
-  each([&](int m) SPANTEX_INLINED { low[m] = of_128(last_number.low, codes[m]); });
-  each([&](int m) SPANTEX_INLINED { low[m] = _mm512_mask_mov_epi8(low[m], _mm512_movepi8_mask(codes[m]), of_128(last_number.low + 128, codes[m])); });
-  each([&](int m) SPANTEX_INLINED { high[m] = of_128(last_number.high, codes[m]); });
-  each([&](int m) SPANTEX_INLINED { high[m] = _mm512_mask_mov_epi8(high[m], _mm512_movepi8_mask(codes[m]), of_128(last_number.high + 128, codes[m])); });
+  const auto look_up_last = [&](const uint8_t* table, raw (&last)[Channels]) SPANTEX_INLINED {
+    each([&](int m) SPANTEX_INLINED { last[m] = of_128(table, codes[m]); });
+    each([&](int m) SPANTEX_INLINED { last[m] = _mm512_mask_mov_epi8(last[m], _mm512_movepi8_mask(codes[m]), of_128(table + 128, codes[m])); });
+  };
+  look_up_last(last_number.low, low);
+  look_up_last(last_number.high, high);
   each([&](int m) SPANTEX_INLINED {
     const words last = together(low[m], high[m]);
     const raw beyond = _mm512_packus_epi16(_mm512_subs_epu16(first[m], last.first), _mm512_subs_epu16(second[m], last.second));

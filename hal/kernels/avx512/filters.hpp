@@ -6,6 +6,14 @@
 constexpr int32_t opaque = int32_t(0xFF000000);
 template <int Channels> constexpr bool with_alpha(int channel) { return Channels < channel_count && channel == Channels - 1; }
 
+// What is drawn of a map's texels: three channels of opaque maps, four of others; colours as they are coded or in linear light, and there as samples of footprints (aniso), which are rounded by themselves.
+enum class colours_as : uint8_t { codes, light, samples_in_light };
+struct texel_kind {
+  int channels;
+  colours_as colours;
+  constexpr bool in_light() const { return colours != colours_as::codes; }
+};
+
 // What a level's weights are shifted up by: it makes 16 bits of fraction, and 15, bytes 1 and 2 of which are the level's 8.7.
 constexpr int up_of_one = 2, up_between = 1;
 
@@ -130,14 +138,20 @@ SPANTEX_INLINE void blended16(const quad_section<Where>& at, const samples& s, v
 
 constexpr int32_t before_even = 0x7FFF;
 
+struct to_even {
+  v16 one;
+  SPANTEX_INLINE to_even() : one(of32<0x10000>()) {}
+  // x + before_even becomes x rounded to 16 bits less, halves to even; in bits 16 to 23 or, of linear light, all of the upper half.
+  SPANTEX_INLINE v16 even(v16 x) const { return _mm512_dpwssd_epi32(x, _mm512_and_si512(x, one), one); }
+};
+
 // What all colours take: likewise.
-struct colouring {
-  v16 half, half_of_last, one, to_upper, level_words, level_signs, level_all;
+struct colouring : to_even {
+  v16 half, half_of_last, to_upper, level_words, level_signs, level_all;
   v16 from_third;
   __mmask64 upper_words, first_bytes, second_bytes;
   SPANTEX_INLINE colouring() {
     half = of32<before_even>();
-    one = of32<0x10000>();
     to_upper = held(_mm512_broadcast_i32x4(_mm_setr_epi8(-1, -1, 1, 2, -1, -1, 5, 6, -1, -1, 9, 10, -1, -1, 13, 14)));
     __mmask64 words = 0xCCCCCCCCCCCCCCCC;
     asm("" : "+k"(words));
@@ -152,9 +166,6 @@ struct colouring {
     second_bytes = second;
     from_third = held(_mm512_broadcast_i32x4(_mm_setr_epi8(2, 2, -1, -1, 6, 6, -1, -1, 10, 10, -1, -1, 14, 14, -1, -1)));
   }
-
-  // x + 2^15 - 1 becomes x rounded to 16 bits less, halves to even; in bits 16 to 23.
-  SPANTEX_INLINE v16 even(v16 x) const { return _mm512_dpwssd_epi32(x, _mm512_and_si512(x, one), one); }
 
   // Channels' bits 16 to 23 as pixels; three are those of an opaque map, the last of which has alpha above its bits.
   template <int Channels>

@@ -2,12 +2,6 @@
 // AVX-512 kernel: sRGB maps, filtered in linear light (docs/SPEC.md), from local memory: u0.16 numbers, two bytes each, are in two planes, lower and upper bytes. Included by by_blocks.hpp alone.
 #pragma once
 
-// What a map's texels are, as a number of channels: those that are interpolated (of opaque maps three); of sRGB maps more by one of these, the latter where each pixel is a sample of a footprint (aniso).
-constexpr int of_light = 8, of_light_samples = 16;
-constexpr bool in_light(int channels) { return channels >= of_light; }
-constexpr bool of_samples_in_light(int channels) { return channels >= of_light_samples; }
-constexpr int interpolated(int channels) { return channels % of_light; }
-
 namespace light {
 
 constexpr int kept_drop = 2 * q.subtexel_bits - q.blend_bits, between_bits = q.blend_bits + q.level_bits, sample_drop = between_bits - max_linear_sum_bits;
@@ -25,17 +19,14 @@ constexpr uint32_t start_of(rounds what, uint32_t offset) {
 
 // What all quads take. Texels are less by 0x8080, as both their bytes are signed.
 template <rounds What>
-struct constants {
+struct constants : to_even {
   static constexpr uint32_t start = start_of(What, 0x8080);
-  v16 start_of_upper, lowest_of_start, start_of_alpha, one;
+  v16 start_of_upper, lowest_of_start, start_of_alpha;
   SPANTEX_INLINE constants() {
     start_of_upper = of32<int32_t(start >> 8)>();
     lowest_of_start = of32<int32_t(start << 24)>();
     start_of_alpha = of32<int32_t(start_of(What, 0x80))>();
-    one = of32<0x10000>();
   }
-  // Halves to even, in the upper half; before_even is added already (colouring::even()).
-  SPANTEX_INLINE v16 even(v16 x) const { return _mm512_dpwssd_epi32(x, _mm512_and_si512(x, one), one); }
 };
 
 // Four texels of each pixel: the sum of their upper bytes, 256 times, and of their lower ones. Alpha has no upper ones.

@@ -33,14 +33,14 @@ SPANTEX_INLINE void keep_bits(const batch& b, int k, offsets& o) {
   if (o.bits != b.column_bits[k]) [[unlikely]] drop_bits(o.bits - b.column_bits[k], o.u, o.v);
 }
 
-template <int Channels>
+template <texel_kind Texels>
 SPANTEX_INLINE bool draw_bilinear(const row_work& work, const batch& b, int k) {
   const planar_map& map = *work.texels;
   offsets o = offsets_of<quad_form>(b, k);
   sampling<up_of_one> from;
-  std::conditional_t<in_light(Channels), light::constants<light::rounds::one>, colouring> as;
+  std::conditional_t<Texels.in_light(), light::constants<light::rounds::one>, colouring> as;
   v16 out[quads];
-  [[maybe_unused]] v16 number[quads][interpolated(Channels)];
+  [[maybe_unused]] v16 number[quads][Texels.channels];
   // Quad n's section, and what leads to positions in it, u and v.
   const auto drawn = [&]<held_in Where>(int bits, auto&& section, auto&& from_u, auto&& from_v) SPANTEX_INLINED {
     const offset_fields& at = fields_of_offsets.with_bits[bits];
@@ -48,15 +48,15 @@ SPANTEX_INLINE bool draw_bilinear(const row_work& work, const batch& b, int k) {
     for (int n = 0; n < quads; ++n) {
       const v16 u = _mm512_add_epi32(o.u[n], set32(from_u(n))), v = _mm512_add_epi32(o.v[n], set32(from_v(n)));
       const samples s = samples_of_offsets<Where>(from, at, u, v);
-      if constexpr (in_light(Channels)) {
+      if constexpr (Texels.in_light()) {
         light::blended(as, section(n), s, number[n]);
 #pragma GCC unroll 4
         for (v16& each : number[n]) each = as.even(each);
       } else {
-        out[n] = bilinear16<Channels>(as, section(n), s);
+        out[n] = bilinear16<Texels.channels>(as, section(n), s);
       }
     }
-    if constexpr (in_light(Channels)) light::coded(number, out);
+    if constexpr (Texels.in_light()) light::coded(number, out);
   };
   if (b.placed >> k & 1) {
     keep_bits(b, k, o);
