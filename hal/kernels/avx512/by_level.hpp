@@ -361,12 +361,20 @@ template <class Blender, class Span>
   return true;
 }
 
+// Numbers in upper halves to pixels. Not inlined: there would be a copy of it for each way that spans are blended, and nothing is in registers any more.
+template <int Channels>
+[[gnu::noinline]] void write_coded(const row_work& work, int32_t sx, span_mask mask, const v16 (&number)[quads][Channels], cut how) {
+  v16 out[quads];
+  light::coded(number, out);
+  write(work, sx, mask, out, how);
+}
+
 // The same in linear light, where codes are found of a whole span at once: quads outside of the mask are blended too, and all of them must be here.
 template <class Blender, class Span>
 SPANTEX_INLINE bool blend_in_light(const row_work& work, const batch& b, int k, const Span& s) {
   if (s.fit != 0xF) return false;
   Blender blended(work.texels->blocks());
-  v16 number[quads][Blender::channels], out[quads];
+  v16 number[quads][Blender::channels];
   auto now = blended.begin(s, 0);
 #pragma GCC unroll 1
   for (int n = 0; n < quads; ++n) {
@@ -376,8 +384,7 @@ SPANTEX_INLINE bool blend_in_light(const row_work& work, const batch& b, int k, 
     }, number[n]);
     now = next;
   }
-  light::coded(number, out);
-  write(work, b.sx + k, work.masks[b.first + k], out, b.how);
+  write_coded(work, b.sx + k, work.masks[b.first + k], number, b.how);
   return true;
 }
 
