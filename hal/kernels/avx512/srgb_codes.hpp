@@ -3,6 +3,8 @@
 #pragma once
 #include "code_tables.hpp"
 
+using in_hand = unfinished;
+
 SPANTEX_INLINE v codes_of(v first, v second) {
   const raw a = raw(first), b = raw(second);
   raw codes[1];

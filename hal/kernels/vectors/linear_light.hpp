@@ -36,7 +36,7 @@ SPANTEX_INLINE void each_register(auto&& f) {
 
 // Calls take.operator()<k>(left, right) for every register of pixels: their left texels, and their right ones.
 SPANTEX_INLINE void each_column(const linear_column* texels, const uint32_t* at, auto&& take) {
-#if SPANTEX_AVX2 || SPANTEX_AVX512
+#if SPANTEX_AVX512
   const int64_t* const from = reinterpret_cast<const int64_t*>(texels);
   constexpr int quarters = width / pixels_apart;
   const auto two_registers = [&]<int K>() SPANTEX_INLINED {
@@ -45,14 +45,9 @@ SPANTEX_INLINE void each_column(const linear_column* texels, const uint32_t* at,
     for (int n = 0; n < quarters; ++n) __builtin_memcpy(&places[n], at + K + n * pixels_apart, sizeof places[n]);
     const auto one = [&]<int Next>() SPANTEX_INLINED {
       const auto of = [&](int n) SPANTEX_INLINED { return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(from + (Next == 0 ? uint32_t(places[n]) : places[n] >> 32))); };
-#if SPANTEX_AVX512
       const auto two = [&](int n) SPANTEX_INLINED { return _mm512_inserti64x4(_mm512_castsi256_si512(of(n)), of(n + 1), 1); };
       const raw first = two(0), second = two(2);
       take.template operator()<K + Next>(v(_mm512_shuffle_i32x4(first, second, 0x88)), v(_mm512_shuffle_i32x4(first, second, 0xDD)));
-#else
-      const raw first = of(0), second = of(1);
-      take.template operator()<K + Next>(v(_mm256_permute2x128_si256(first, second, 0x20)), v(_mm256_permute2x128_si256(first, second, 0x31)));
-#endif
     };
     one.template operator()<0>();
     one.template operator()<1>();
@@ -61,8 +56,16 @@ SPANTEX_INLINE void each_column(const linear_column* texels, const uint32_t* at,
   two_registers.template operator()<2>();
 #else
   each_register([&]<int K>() SPANTEX_INLINED {
-    const int32_t* const two = reinterpret_cast<const int32_t*>(texels) + size_t(at[K]) * 2;
-    take.template operator()<K>(get(two), get(two + width));
+    const auto of = [&](int right) SPANTEX_INLINED {
+      const auto texel = [&](int pixel) SPANTEX_INLINED { return reinterpret_cast<const int32_t*>(texels) + size_t(at[pixel]) * 2 + 4 * right; };
+#if SPANTEX_AVX2
+      const auto half = [&](int pixel) SPANTEX_INLINED { return _mm_loadu_si128(reinterpret_cast<const __m128i*>(texel(pixel))); };
+      return v(_mm256_inserti128_si256(_mm256_castsi128_si256(half(K)), half(K + pixels_apart), 1));
+#else
+      return get(texel(K));
+#endif
+    };
+    take.template operator()<K>(of(0), of(1));
   });
 #endif
 }
@@ -82,7 +85,7 @@ SPANTEX_INLINE blends blend(const linear_column* from, const uint32_t* at, v fra
   const raw lower = _mm512_shuffle_epi8(raw(fraction), v_of_both);
   const v_unsigned u = v_unsigned(_mm512_shuffle_epi8(raw(fraction), u_of_both)), rows = v_unsigned(_mm512_mask_sub_epi16(lower, 0x55555555, _mm512_set1_epi16(128), lower));
 #else
-  const v_unsigned u = v_unsigned((fraction & 0xFFFF) | (fraction << 16)), rows = v_unsigned((fraction & int32_t(0xFFFF0000)) | (128 - (fraction >> 16)));
+  const v_unsigned u = v_unsigned(halves(fraction, fraction << 16)), rows = v_unsigned(halves(128 - (fraction >> 16), fraction));
 #endif
   const v right = v(rows * u), left = v((rows << q.subtexel_bits) - v_unsigned(right));
   blends b;
@@ -94,17 +97,23 @@ SPANTEX_INLINE blends blend(const linear_column* from, const uint32_t* at, v fra
 
 // Halves to even.
 SPANTEX_INLINE v rounded_to_even(v x, int bits) { return (x + ((1 << (bits - 1)) - 1) + ((x >> bits) & 1)) >> bits; }
-// The same in a lane's upper half, 2^15 - 1 added already. Whether the number is odd is asked after that: it carries only above a half, where one more does not carry again.
-SPANTEX_INLINE v biased_to_even(v_32 y) {
+// The same above so many bits, 2^(Bits - 1) - 1 added already. Whether the number is odd is asked after that: it carries only above a half, where one more does not carry again.
 #if SPANTEX_AVX512
+constexpr int above_blends = 16;  // where one operation adds it
+template <int Bits = 16>
+SPANTEX_INLINE v biased_to_even(v_32 y) {
+  static_assert(Bits == 16);
   const v one = number<0x10000>();
   return add_products(v(y), v(y) & one, one);
-#else
-  return v(y + (y >> 16 & 1));
-#endif
 }
-// Of a number with so many bits of fraction, and so much more than it is.
-SPANTEX_INLINE v upper_half_to_even(v x, int bits, uint32_t more = 0) { return biased_to_even((v_32(x) << (16 - bits)) + (0x7FFF - (more << (16 - bits)))); }
+#else
+constexpr int above_blends = blend_fraction;
+template <int Bits = 16>
+SPANTEX_INLINE v biased_to_even(v_32 y) { return v(y + (y >> Bits & 1)); }
+#endif
+// Of a number with `bits` bits of fraction, and so much more than it is.
+template <int Bits = 16>
+SPANTEX_INLINE v above_to_even(v x, int bits, uint32_t more = 0) { return biased_to_even<Bits>((v_32(x) << (Bits - bits)) + ((1 << (Bits - 1)) - 1 - (more << (Bits - bits)))); }
 
 SPANTEX_INLINE v kept_and_more(v x) { return x >> kept_drop; }
 SPANTEX_INLINE v kept_of_level(v x) { return kept_and_more(x) - kept_more; }
@@ -118,11 +127,12 @@ SPANTEX_INLINE v between_levels(const blends& fine, const blends& coarse, v frac
 // chains of dependent operations, which a processor does side by side of several pixels if there is nothing else between them.
 struct unfinished { v first, second; };
 
-// number_of.operator()<k>() delivers those of register k, in upper halves of lanes.
+// number_of.operator()<k>() delivers those of register k, above `Bits` bits.
+template <int Bits = 16>
 SPANTEX_INLINE unfinished two_a_lane(auto&& number_of) {
   v x[4];
   each_register([&]<int K>() SPANTEX_INLINED { x[K] = number_of.template operator()<K>(); });
-  const auto two = [](v a, v b) SPANTEX_INLINED { return halves(v(v_32(a) >> 16), b); };
+  const auto two = [](v a, v b) SPANTEX_INLINED { return halves(v(v_32(a) >> Bits), b << (16 - Bits)); };
   return {two(x[0], x[1]), two(x[2], x[3])};
 }
 SPANTEX_INLINE unfinished chosen(v where, const unfinished& a, const unfinished& b) {
@@ -132,18 +142,28 @@ SPANTEX_INLINE unfinished chosen(v where, const unfinished& a, const unfinished&
 #if SPANTEX_AVX512
 #include "../avx512/srgb_codes.hpp"
 #else
-// Codes of u0.16 numbers, two words a lane; of the first in the lower byte of each word, of the second in the upper.
-SPANTEX_INLINE v codes_of(v numbers) {
-  const v_unsigned at = v_unsigned(numbers) >> 4;
-  const auto step = [&](int k) SPANTEX_INLINED { return srgb_code_of.step[at[k]]; };
+// What a group of pixels has until it is finished. Places in the table of codes are words of memory: taken out of registers one by one, they would cost twice as much.
+struct in_hand {
+  unfinished numbers;
+  alignas(sizeof(v)) uint16_t place[2][2 * width];
+  SPANTEX_INLINE in_hand& operator=(const unfinished& of) {
+    numbers = of;
+    put(place[0], v(v_unsigned(of.first) >> 4));
+    put(place[1], v(v_unsigned(of.second) >> 4));
+    return *this;
+  }
+};
+
+// Codes of u0.16 numbers, two words a lane, and alpha as it is.
+SPANTEX_INLINE v codes_of(v numbers, const uint16_t* place) {
+  const auto step = [&](int k) SPANTEX_INLINED { return srgb_code_of.step[place[k]]; };
 #if SPANTEX_AVX2
   const v_unsigned steps = {step(0), step(1), step(2), step(3), step(4), step(5), 0, 0, step(8), step(9), step(10), step(11), step(12), step(13), 0, 0};
 #else
-  const v_unsigned steps = {step(0), step(1), step(2), step(3), step(4), step(5), 0, 0};  // alpha has no code
+  const v_unsigned steps = {step(0), step(1), step(2), step(3), step(4), step(5), 0, 0};
 #endif
-  return v((steps + (v_unsigned(numbers) & 15)) >> 4);
+  return __builtin_shufflevector(v((steps + (v_unsigned(numbers) & 15)) >> 4), numbers, SPANTEX_EACH(0, 1, 2, width + 3));
 }
-SPANTEX_INLINE v codes_of(v first, v second) { return codes_of(first) | (codes_of(second) << 8); }
 
 // Lane c has channel c of pixels 0, 2, 1 and 3, from its lowest byte on: to pixels.
 SPANTEX_INLINE v pixels_of_channels(v channels) {
@@ -159,15 +179,11 @@ SPANTEX_INLINE v pixels_of_channels(v channels) {
 #endif
 }
 
-SPANTEX_INLINE v finished(const unfinished& of) {
-  v alpha{};
-  for (int k = 3; k < width; k += 4) alpha[k] = -1;
-  return pixels_of_channels((codes_of(of.first, of.second) & ~alpha) | ((of.first | (of.second << 8)) & alpha));
-}
+SPANTEX_INLINE v finished(const in_hand& of) { return pixels_of_channels(codes_of(of.numbers.first, of.place[0]) | (codes_of(of.numbers.second, of.place[1]) << 8)); }
 #endif
 
 SPANTEX_INLINE unfinished pixels_of(const blends& b) {
-  return two_a_lane([&]<int K>() SPANTEX_INLINED { return upper_half_to_even(b.pixel[K], blend_fraction, more_of_blends); });
+  return two_a_lane<above_blends>([&]<int K>() SPANTEX_INLINED { return above_to_even<above_blends>(b.pixel[K], blend_fraction, more_of_blends); });
 }
 
 // In upper halves, what kept_and_more() kept: ones behind it make 2^15 - 1 of kept_more.
@@ -197,7 +213,7 @@ constexpr rounded one_sample = rounded::as_sample;
 template <int K>
 SPANTEX_INLINE v sample(const blends& fine, const blends& coarse, v fraction) { return rounded_to_even(between_levels<K>(fine, coarse, fraction), between_bits - max_linear_sum_bits); }
 SPANTEX_INLINE unfinished sample_between(const blends& fine, const blends& coarse, v fraction) {
-  return two_a_lane([&]<int K>() SPANTEX_INLINED { return upper_half_to_even(sample<K>(fine, coarse, fraction), max_linear_sum_bits); });
+  return two_a_lane([&]<int K>() SPANTEX_INLINED { return above_to_even(sample<K>(fine, coarse, fraction), max_linear_sum_bits); });
 }
 
 static_assert(q.max_samples <= 16 && between_bits > max_linear_sum_bits && q.blend_bits <= max_linear_sum_bits);

@@ -257,7 +257,7 @@ SPANTEX_INLINE bool has_group(span_mask mask, int n) {
 #if SPANTEX_LINEAR
 // A row of spans, and the last one before its pixels are codes: they are finished when the places of the next one are found. Both are long chains of dependent operations, that a processor does side by side.
 struct row_in_hand : row_work {
-  mutable unfinished before[groups];
+  mutable in_hand before[groups];
   mutable int32_t before_sx;
   mutable span_mask before_mask = 0;  // 0: there is none
   SPANTEX_INLINE explicit row_in_hand(const row_work& row) : row_work(row) {}
