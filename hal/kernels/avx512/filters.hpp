@@ -138,6 +138,7 @@ SPANTEX_INLINE void blended16(const quad_section<Where>& at, const samples& s, v
 
 constexpr int32_t before_even = 0x7FFF;
 
+// Made once, so that it stays in a register.
 struct to_even {
   v16 one;
   SPANTEX_INLINE to_even() : one(of32<0x10000>()) {}
@@ -145,7 +146,7 @@ struct to_even {
   SPANTEX_INLINE v16 even(v16 x) const { return _mm512_dpwssd_epi32(x, _mm512_and_si512(x, one), one); }
 };
 
-// What all colours take: likewise.
+// What all colours take: made once too.
 struct colouring : to_even {
   v16 half, half_of_last, to_upper, level_words, level_signs, level_all;
   v16 from_third;

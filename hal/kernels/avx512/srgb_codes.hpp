@@ -3,7 +3,7 @@
 #pragma once
 #include "code_tables.hpp"
 
-using in_hand = unfinished;
+using in_hand = unfinished;  // tables are registers: nothing but numbers is kept for them
 
 SPANTEX_INLINE v codes_of(v first, v second) {
   const raw a = raw(first), b = raw(second);

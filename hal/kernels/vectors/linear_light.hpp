@@ -98,18 +98,20 @@ SPANTEX_INLINE blends blend(const linear_column* from, const uint32_t* at, v fra
 // Halves to even.
 SPANTEX_INLINE v rounded_to_even(v x, int bits) { return (x + ((1 << (bits - 1)) - 1) + ((x >> bits) & 1)) >> bits; }
 // The same above so many bits, 2^(Bits - 1) - 1 added already. Whether the number is odd is asked after that: it carries only above a half, where one more does not carry again.
-#if SPANTEX_AVX512
-constexpr int above_blends = 16;  // where one operation adds it
 template <int Bits = 16>
 SPANTEX_INLINE v biased_to_even(v_32 y) {
-  static_assert(Bits == 16);
+#if SPANTEX_AVX512
+  static_assert(Bits == 16);  // so that one operation adds it
   const v one = number<0x10000>();
   return add_products(v(y), v(y) & one, one);
-}
 #else
-constexpr int above_blends = blend_fraction;
-template <int Bits = 16>
-SPANTEX_INLINE v biased_to_even(v_32 y) { return v(y + (y >> Bits & 1)); }
+  return v(y + (y >> Bits & 1));
+#endif
+}
+#if SPANTEX_AVX512
+constexpr int bits_below_one_level = 16;
+#else
+constexpr int bits_below_one_level = blend_fraction;  // as sums have them
 #endif
 // Of a number with `bits` bits of fraction, and so much more than it is.
 template <int Bits = 16>
@@ -142,10 +144,10 @@ SPANTEX_INLINE unfinished chosen(v where, const unfinished& a, const unfinished&
 #if SPANTEX_AVX512
 #include "../avx512/srgb_codes.hpp"
 #else
-// What a group of pixels has until it is finished. Places in the table of codes are words of memory: taken out of registers one by one, they would cost twice as much.
+// What a group of pixels has until it is finished: places in the table of codes too, in memory, where they are read one by one a span later. Out of registers each would take another operation.
 struct in_hand {
   unfinished numbers;
-  alignas(sizeof(v)) uint16_t place[2][2 * width];
+  uint16_t place[2][2 * width];
   SPANTEX_INLINE in_hand& operator=(const unfinished& of) {
     numbers = of;
     put(place[0], v(v_unsigned(of.first) >> 4));
@@ -183,7 +185,8 @@ SPANTEX_INLINE v finished(const in_hand& of) { return pixels_of_channels(codes_o
 #endif
 
 SPANTEX_INLINE unfinished pixels_of(const blends& b) {
-  return two_a_lane<above_blends>([&]<int K>() SPANTEX_INLINED { return above_to_even<above_blends>(b.pixel[K], blend_fraction, more_of_blends); });
+  constexpr int bits = bits_below_one_level;
+  return two_a_lane<bits>([&]<int K>() SPANTEX_INLINED { return above_to_even<bits>(b.pixel[K], blend_fraction, more_of_blends); });
 }
 
 // In upper halves, what kept_and_more() kept: ones behind it make 2^15 - 1 of kept_more.
