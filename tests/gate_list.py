@@ -247,7 +247,7 @@ GATES = [
     ("shorter column of the Jacobian", F + "level.hpp", "c.level_row[j] > c.level_column[i] ?", "c.level_row[j] < c.level_column[i] ?", "level", "default_profile*", []),
     ("gradients without their twist", F + "level.hpp", "detail::log2_length(ux + twist_u * hy, vx + twist_v * hy, c.exponent)",
      "detail::log2_length(ux, vx, c.exponent)", "level", "exact_profile*", []),
-    ("level of a pixel about itself off", F + "level.hpp", "(1 << 16) - 2 * log2_16(uint64_t(p.w_at(hx, hy)))", "(2 << 16) - 2 * log2_16(uint64_t(p.w_at(hx, hy)))", "level", "spans_across*", []),
+    ("level of a pixel about itself off", F + "level.hpp", "(1 << 16) - 2 * log2_16(uint64_t(w))", "(2 << 16) - 2 * log2_16(uint64_t(w))", "level", "spans_across*", []),
     ("major axis by one interval", F + "plane.hpp", "return max_of(g.x, g.y) + (2 << 16);", "return max_of(g.x, g.y) + (1 << 16);", "level", "the_major*", []),
     ("major axis with log2 W once", F + "level.hpp", "p.major_log2 - 2 * log2_of_w(r)", "p.major_log2 - log2_of_w(r)", "level", "the_major*", []),
     ("KT88's camera: half the axis", F + "plane.hpp", "(log2_16(magnitude(d)) - (16 << 16)) + (1 << 16);", "(log2_16(magnitude(d)) - (16 << 16));", "plane",

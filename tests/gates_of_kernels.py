@@ -2,9 +2,18 @@
 """Gates of the host kernels, as gate_list.py has others: name, file, what stands there, what it is broken into, suite, case, further sources the suite links."""
 import pathlib
 
-KERNELS = [f"hal/kernels/{name}.cpp" for name in ("avx2", "avx2_linear_light", "avx512", "avx512_gathers", "avx512_linear_light", "avx512_linear_light_rows", "avx512_loads", "byte_planes", "kernel", "masks", "masks_avx2", "masks_avx512", "masks_words", "neon", "neon_linear_light", "planar_map", "row_levels", "shortcuts", "sse41", "sse41_linear_light", "upright", "words", "words_linear_light", "write_out")]
+KERNELS = [f"hal/kernels/{name}.cpp" for name in ("avx2", "avx2_linear_light", "avx512", "avx512_gathers", "avx512_linear_light", "avx512_linear_light_rows", "avx512_loads", "by_pixel", "byte_planes", "kernel", "masks", "masks_avx2", "masks_avx512", "masks_words", "neon", "neon_linear_light", "planar_map", "row_levels", "shortcuts", "sse41", "sse41_linear_light", "upright", "words", "words_linear_light", "write_out")]
 
 KERNEL_GATES = [
+    ("pixels alone: set-up's rounding never in sight", "hal/kernels/by_pixel.cpp", "if (!rounding_is_small(plane_, w_,", "if (w_ == 0 && !rounding_is_small(plane_, w_,", "kernels", "planes_to_the_horizon", KERNELS),
+    ("pixels alone: out of range, but moved on", "hal/kernels/by_pixel.cpp", "a.in_range ? quotient(", "a.base != 0 ? quotient(", "kernels", "planes_to_the_horizon", KERNELS),
+    ("pixels alone: a column's slopes for a row's", "hal/kernels/by_pixel.cpp", "{{row.value[0], column.value[1],", "{{column.value[0], column.value[1],", "kernels", "planes_to_the_horizon", KERNELS),
+    ("pixels alone: the least level by the smallest W", "hal/kernels/by_pixel.cpp", "w = there > w ? there : w;", "w = there > 0 ? there : w;", "kernels", "planes_to_the_horizon", KERNELS),
+    ("pixels alone: levels cut, not rounded", "hal/kernels/by_pixel.cpp", "(x + pair_of(half, half)) >> drop", "x >> drop", "kernels", "planes_to_the_horizon", KERNELS),
+    ("pixels alone: clamped axes without the texel before the first", "hal/kernels/by_pixel.cpp", "clamp_to(x, -1, length - 1)", "clamp_to(x, 0, length - 1)", "kernels", "planes_to_the_horizon", KERNELS),
+    ("pixels alone: those behind the viewer too", "hal/kernels/rows.hpp", "row.mask[k] & front_mask(*s.map, first + k, sy)", "row.mask[k]", "kernels", "planes_to_the_horizon", KERNELS),
+    ("pixels alone: the whole map's last sample left out", "hal/kernels/by_pixel.cpp", "n < f.samples; ++n", "n < f.samples - (f.samples == 7); ++n", "kernels", "planes_to_the_horizon", KERNELS),
+    ("pixels alone in linear light: alpha decoded", "hal/kernels/by_pixel.cpp", "pair_of(srgb_decoded(uint32_t(c.g)), c.a)", "pair_of(srgb_decoded(uint32_t(c.g)), srgb_decoded(uint32_t(c.a)))", "kernels_linear_light", "planes_to_the_horizon", KERNELS),
     ("a vector kernel's halves always up", "hal/kernels/vectors/pixels.hpp", "add16(rest, x & number<0x00800080>())", "add16(rest, number<0x00800080>())", "kernels", "random_planes*", KERNELS),
     ("a vector kernel's texels beyond a period", "hal/kernels/vectors/kernel.hpp", "in_reach(levels, 0, reach_of(c), p)", "in_reach(levels, 0, reach_of(c) - 8192, p)", "kernels", "random_planes*", KERNELS),
     ("a vector kernel's reciprocal of one Newton step", "hal/kernels/vectors/reciprocal.hpp", "newton(m, newton(m, seed))", "newton(m, seed)", "kernels", "random_planes*", KERNELS),
@@ -97,7 +106,7 @@ KERNEL_GATES = [
     ("kernels' write-out: depths as far apart as pixels", "hal/kernels/write_out.cpp", "(y0 + j) * frame_.width + x0 + i", "(y0 + j) * frame_.width + x0 + i + (frame_.stride != frame_.width)", "write_out", "polygons_are_written*", KERNELS),
     ("kernels' write-out: cut-outs hide before they are drawn", "hal/kernels/rows.hpp", "(texels.opaque() && shade.without_alpha()) || how.stores_depth_first();", "shade.without_alpha() || true;", "write_out", "polygons_are_written*", KERNELS),
     ("a kernel's surface under what is still computed", "hal/kernels/rows.hpp", "surface{&p.map, &t, kind}, area, frame, counts, cover, shade));\n  return scalar.flush();", "surface{&p.map, &t, kind}, area, frame, counts, cover, shade));\n  return status::ok;", "write_out", "polygons_are_written*", KERNELS),
-    ("kernels' write-out: what is left is stored", "hal/kernels/rows.hpp", "row.mask[k], shade));", "row.mask[k]));", "write_out", "polygons_are_written*", KERNELS),
+    ("kernels' write-out: what is left is stored", "hal/kernels/rows.hpp", "work.pixels, work.stride);\n      out.write(work, counts);", "work.pixels, work.stride);", "write_out", "polygons_are_written*", KERNELS),
     ("copies of texels next to the centre", "hal/kernels/shortcuts.cpp", "2 * most_off_centre * (w >> 16)", "2 * (most_off_centre + 72) * (w >> 16)", "kernels", "whole_texels_are*", KERNELS),
     ("copies of texels on a level", "hal/kernels/shortcuts.cpp", "2 * most_off_centre * (w >> 16)", "2 * (most_off_centre + 48) * (w >> 16)", "kernels", "whole_texels_of*", KERNELS),
     ("copies of what does not stay at the centre", "hal/kernels/shortcuts.cpp", "&& holds(c.x0, c.y1) && holds(c.x1, c.y1)", "", "kernels", "whole_texels*", KERNELS),

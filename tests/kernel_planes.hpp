@@ -3,6 +3,8 @@
 #pragma once
 #include <tests/kernel_pictures.hpp>
 
+#include <math.h>
+
 namespace {
 
 // Levels of detail other than the first two, and from one to the next.
@@ -45,6 +47,26 @@ inline void draw_walls_to_the_side(colour_space colours) {
     const ready_map map(random_map(side[0], side[1]), wrap::repeat, colours);
     for (const filter kind : {filter::mip_bilinear, filter::trilinear}) draw_all(p, map, kind, {0, 0, 640, 160}, 640, 160);
   }
+}
+
+// Up to the horizon and beyond, whichever way it runs: W falls to nothing within the picture. Near it kernels leave spans, which are drawn pixel by pixel: whose texels are far apart, out of range,
+// on the last level; and, far from the origin, whose rounding at set-up would show.
+inline void draw_planes_to_the_horizon(colour_space colours) {
+  static constexpr int32_t sides[][2] = {{512, 512}, {500, 375}, {1, 1}, {2048, 2}, {1, 64}, {3, 5}};
+  constexpr rectangle area{0, 0, 203, 101};
+  random_source random(41);
+  for (const auto& side : sides)
+    for (const wrap w : wraps) {
+      const ready_map map(random_map(side[0], side[1]), w, colours);
+      for (int k = 0; k < (short_run() ? 4 : 24); ++k) {
+        const double turn = double(random.between(0, 6283)) / 1000, far = k % 4 == 0 ? 3e6 : k % 4 == 1 ? 30000 : 700, closeness = k % 3 == 0 ? 0.0004 : 0.01;
+        const double horizon_x = double(random.between(10, 190)), horizon_y = double(random.between(10, 90)), g = closeness * cos(turn), h = closeness * sin(turn);
+        const double m[9] = {0.7 * cos(turn + 1), 0.4, far * (k % 2 == 0 ? 1 : -0.3), -0.2, 0.9 * sin(turn + 2), 0.01 * far, g, h, -g * horizon_x - h * horizon_y};
+        plane p{};
+        SPANTEX_ASSERT_OK(make_plane(homography_of(m), area, p));
+        for (const filter kind : filters) draw_all(p, map, kind, area, 203, 101);
+      }
+    }
 }
 
 // Floors and walls seen by a camera that is not rolled: W varies along one axis of the screen alone, hardly or up to what only a division holds; the map is turned, and denser across or down.

@@ -11,7 +11,7 @@
 namespace spantex::tool {
 
 inline std::optional<sim::matrix> bench_plane(const std::string& name) {
-  return name == "close" ? sim::close_plane : name == "far" ? sim::far_plane : sim::named_plane(name);
+  return name == "close" ? sim::close_plane : name == "far" ? sim::far_plane : name == "horizon" ? sim::horizon_plane : sim::named_plane(name);
 }
 
 }  // namespace spantex::tool

@@ -55,8 +55,9 @@ constexpr int32_t whole_quotient(int64_t n, int64_t w, inverse iw, bool& in_rang
 
 }  // namespace detail
 
-// In `r`, for who has memory for it.
-SPANTEX_FRAME_APART constexpr void set_reference(const plane& p, int32_t hx, int32_t hy, reference& r) {
+// In `r`, for who has memory for it. A pixel about its own centre has no use for slopes: they stay as they are.
+enum class slopes : bool { left_out, wanted };
+SPANTEX_FRAME_APART constexpr void set_reference(const plane& p, int32_t hx, int32_t hy, reference& r, slopes of = slopes::wanted) {
   r.w = p.w_at(hx, hy);
   r.inverse_w = invert(r.w);
   r.u_in_range = r.v_in_range = true;
@@ -64,18 +65,19 @@ SPANTEX_FRAME_APART constexpr void set_reference(const plane& p, int32_t hx, int
   r.base_u = detail::whole_quotient(nu, r.w, r.inverse_w, r.u_in_range);
   r.base_v = detail::whole_quotient(nv, r.w, r.inverse_w, r.v_in_range);
   r.c_u = nu - r.base_u * r.w;
+  r.c_v = nv - r.base_v * r.w;
+  r.w_exponent = r.slope_drop = 0;
+  if (of == slopes::left_out) return;
   r.a_u = p.u.x - r.base_u * p.w.x;
   r.b_u = p.u.y - r.base_u * p.w.y;
-  r.c_v = nv - r.base_v * r.w;
   r.a_v = p.v.x - r.base_v * p.w.x;
   r.b_v = p.v.y - r.base_v * p.w.y;
   r.g = p.w.x;
   r.h = p.w.y;
-  r.w_exponent = r.slope_drop = 0;
 }
-constexpr reference reference_at(const plane& p, int32_t hx, int32_t hy) {
+constexpr reference reference_at(const plane& p, int32_t hx, int32_t hy, slopes of = slopes::wanted) {
   reference r{};
-  set_reference(p, hx, hy, r);
+  set_reference(p, hx, hy, r, of);
   return r;
 }
 
@@ -99,13 +101,14 @@ inline constexpr int exact_w_bits = 45, exact_slope_bits = 57;
 
 // One coordinate from the exact forms about a point, cut like W.
 struct exact_axis { int32_t base; bool in_range; wide c, a, b; };
-constexpr exact_axis exact_axis_at(const plane& p, const wide_form& f, int32_t hx, int32_t hy, wide w, const reference& r, int cut) {
+constexpr exact_axis exact_axis_at(const plane& p, const wide_form& f, int32_t hx, int32_t hy, wide w, const reference& r, int cut, slopes of) {
   exact_axis x{0, true, {}, {}, {}};
   const wide n = p.value(f, hx, hy);
   if (bit_length(n) - cut > 62) return {n.negative() ? -32767 : 32767, false, {}, {}, {}};
   x.base = whole_quotient(to_int64(scale_down(n, cut)), r.w, r.inverse_w, x.in_range);
   if (!x.in_range) return x;
   x.c = n - multiply(w, x.base);
+  if (of == slopes::left_out) return x;
   x.a = f.x - multiply(p.exact_w.x, x.base);
   x.b = f.y - multiply(p.exact_w.y, x.base);
   return x;
@@ -113,36 +116,36 @@ constexpr exact_axis exact_axis_at(const plane& p, const wide_form& f, int32_t h
 
 }  // namespace detail
 
-// The same from the forms before they were rounded: exact, then rounded to 45 bits of W. False if W is not positive by them. An axis out of
-// range keeps only its sign.
-constexpr bool exact_reference_at(const plane& p, int32_t hx, int32_t hy, reference& out) {
+// The same from the forms before they were rounded: exact, then rounded to 45 bits of W. False if W is not positive by them, with nothing written. An
+// axis out of range keeps only its sign.
+constexpr bool exact_reference_at(const plane& p, int32_t hx, int32_t hy, reference& r, slopes of = slopes::wanted) {
   const wide w = p.value(p.exact_w, hx, hy);
   if (w.negative() || w.zero()) return false;
   const int cut = max_of(0, bit_length(w) - detail::exact_w_bits);
-  reference r{};
   r.w = to_int64(scale_down(w, cut));
   r.inverse_w = invert(r.w);
   r.w_exponent = cut - p.dropped_bits;
-  const detail::exact_axis u = detail::exact_axis_at(p, p.exact_u, hx, hy, w, r, cut), v = detail::exact_axis_at(p, p.exact_v, hx, hy, w, r, cut);
+  r.slope_drop = 0;
+  const detail::exact_axis u = detail::exact_axis_at(p, p.exact_u, hx, hy, w, r, cut, of), v = detail::exact_axis_at(p, p.exact_v, hx, hy, w, r, cut, of);
   r.base_u = u.base;
   r.u_in_range = u.in_range;
   r.base_v = v.base;
   r.v_in_range = v.in_range;
-  const wide slopes[] = {u.a, u.b, v.a, v.b, p.exact_w.x, p.exact_w.y};
-  int steepest = 0;
-  for (const wide& s : slopes) steepest = max_of(steepest, bit_length(s));
-  r.slope_drop = max_of(0, steepest - cut - detail::exact_slope_bits);
   const auto offset = [&](wide x) { return to_int64(scale_down(x, cut)); };
-  const auto slope = [&](wide x) { return to_int64(scale_down(x, cut + r.slope_drop)); };
   r.c_u = offset(u.c);
+  r.c_v = offset(v.c);
+  if (of == slopes::left_out) return true;
+  const wide all[] = {u.a, u.b, v.a, v.b, p.exact_w.x, p.exact_w.y};
+  int steepest = 0;
+  for (const wide& s : all) steepest = max_of(steepest, bit_length(s));
+  r.slope_drop = max_of(0, steepest - cut - detail::exact_slope_bits);
+  const auto slope = [&](wide x) { return to_int64(scale_down(x, cut + r.slope_drop)); };
   r.a_u = slope(u.a);
   r.b_u = slope(u.b);
-  r.c_v = offset(v.c);
   r.a_v = slope(v.a);
   r.b_v = slope(v.b);
   r.g = slope(p.exact_w.x);
   r.h = slope(p.exact_w.y);
-  out = r;
   return true;
 }
 

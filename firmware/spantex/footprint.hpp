@@ -122,10 +122,8 @@ constexpr void span_axis(const profile& q, span_coefficients& c) {
 }
 
 // Of a single pixel about its own centre, from the plane's forms: W^2 J over W^2.
-constexpr void pixel_axis(const plane& p, const profile& q, int32_t hx, int32_t hy, span_coefficients& c) {
-  const scaled_jacobian j = jacobian_at(p, hx, hy);
-  c.axis = detail::axis_of(q, j.columns, 0, 0, j.exponent);
-}
+constexpr void pixel_axis(const scaled_jacobian& j, const profile& q, span_coefficients& c) { c.axis = detail::axis_of(q, j.columns, 0, 0, j.exponent); }
+constexpr void pixel_axis(const plane& p, const profile& q, int32_t hx, int32_t hy, span_coefficients& c) { pixel_axis(jacobian_at(p, hx, hy), q, c); }
 
 // --- datapath side -------------------------------------------------------------------------------------
 

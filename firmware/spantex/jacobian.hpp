@@ -21,12 +21,12 @@ struct scaled_jacobian {
 };
 
 // W^2 J over W^2, with 1/W twice: 32 significant bits each. W^2 J = g 2^drop; J = g y y 2^(drop - 2 (63 + e)).
-constexpr scaled_jacobian jacobian_at(const plane& p, int32_t hx, int32_t hy) {
-  const scaled_gradients g = scaled_gradients_at(p, hx, hy);
-  const inverse over_w = invert(p.w_at(hx, hy));
+constexpr scaled_jacobian jacobian_of(const scaled_gradients& g, int64_t w) {
+  const inverse over_w = invert(w);
   const int64_t y = int64_t(over_w.y >> 1);
   const auto over_w2 = [y](int64_t x) { return shift_right_symmetric(shift_right_symmetric(x * y, 31) * y, 31); };
   return {{over_w2(g.ux), over_w2(g.uy), over_w2(g.vx), over_w2(g.vy)}, 62 + 2 * over_w.exponent - g.drop};
 }
+constexpr scaled_jacobian jacobian_at(const plane& p, int32_t hx, int32_t hy) { return jacobian_of(scaled_gradients_at(p, hx, hy), p.w_at(hx, hy)); }
 
 }  // namespace spantex

@@ -57,12 +57,12 @@ constexpr void span_levels(const profile& q, span_coefficients& c) {
 }
 
 // Terms of a single pixel about its own centre, from the plane's forms.
-constexpr void pixel_levels(const plane& p, int32_t hx, int32_t hy, span_coefficients& c) {
-  const gradient_logs g = gradient_logs_at(p, hx, hy);
-  const int32_t per_pixel = (1 << 16) - 2 * log2_16(uint64_t(p.w_at(hx, hy)));
+constexpr void pixel_levels(const gradient_logs& g, int64_t w, span_coefficients& c) {
+  const int32_t per_pixel = (1 << 16) - 2 * log2_16(uint64_t(w));
   detail::fill(c.level_row, detail::level_term(g.x + per_pixel));
   detail::fill(c.level_column, detail::level_term(g.y + per_pixel));
 }
+constexpr void pixel_levels(const plane& p, int32_t hx, int32_t hy, span_coefficients& c) { pixel_levels(gradient_logs_at(p, hx, hy), p.w_at(hx, hy), c); }
 
 // KT88: the same for every row and column.
 constexpr void major_levels(const plane& p, const reference& r, span_coefficients& c) {

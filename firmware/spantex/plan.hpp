@@ -364,7 +364,7 @@ constexpr bool coordinates_of_span(const Prof& prof, const surface& s, int32_t h
   const profile& q = prof.get();
   const unit_variants& v = prof.variants();
   const auto whole = [&] { return uses_area(s.kind) ? coordinates_within(area_reach(v), r, q, false, c, v) : span_coordinates(r, q, c, v); };
-  r = reference_at(*s.map, hx, hy);
+  set_reference(*s.map, hx, hy, r);
   if (!whole()) return false;
   if constexpr (Prof::has_exact_set_up) {
     const int32_t extent = int32_t(2) << max_of(0, q.offset_bits - 1 - c.exponent);  // n/w, w > 1/2
@@ -376,13 +376,11 @@ constexpr bool coordinates_of_span(const Prof& prof, const surface& s, int32_t h
 template <class Prof>
 constexpr void coordinates_of_pixel(const Prof& prof, const surface& s, int32_t hx, int32_t hy, reference& r, span_coefficients& c) {
   const profile& q = prof.get();
-  r = reference_at(*s.map, hx, hy);
+  const slopes of = uses_area(s.kind) ? slopes::wanted : slopes::left_out;
+  set_reference(*s.map, hx, hy, r, of);
   if constexpr (Prof::has_exact_set_up) {
     const int32_t extent = uses_area(s.kind) ? 2 << max_extent_log2 : 0;
-    if (q.exact_set_up && !rounding_is_small(*s.map, r.w, reach_bits(r, extent))) {
-      const reference rounded = r;  // serves a pixel that is in front by the rounded W alone
-      if (!exact_reference_at(*s.map, hx, hy, r)) r = rounded;
-    }
+    if (q.exact_set_up && !rounding_is_small(*s.map, r.w, reach_bits(r, extent))) (void)exact_reference_at(*s.map, hx, hy, r, of);  // a pixel may be in front by the rounded W alone
   }
   if (uses_area(s.kind)) pixel_area_coordinates(r, q, c, prof.variants());
   else pixel_coordinates(r, q, c);

@@ -109,40 +109,49 @@ struct scaled_gradients {
   int32_t ux, uy, vx, vy;
   int drop;
 };
-constexpr scaled_gradients scaled_gradients_at(const plane& p, int32_t hx, int32_t hy) {
-  constexpr int kept = 31;
-  int32_t cut[4];     // each to its own 31 bits
+// The four, each cut by itself: value 2^dropped. 0 du/dx, 1 du/dy, 2 dv/dx, 3 dv/dy: those by x depend on the row alone, those by y on the column.
+struct cut_gradients {
+  int32_t value[4];
   int8_t dropped[4];
+};
+// One of them, W given.
+constexpr void cut_gradient(const plane& p, int k, int64_t w, int32_t hx, int32_t hy, cut_gradients& out) {
+  constexpr int kept = 31;
+  const linear_form& f = k < 2 ? p.u : p.v;
+  wide exact;
+  detail::set_difference(exact, (k & 1) != 0 ? f.y : f.x, w, p.value(f, hx, hy), (k & 1) != 0 ? p.w.y : p.w.x);
+  const uint64_t sign = sign_of(exact.high);
+  negate_if(exact, sign);
+  const int bits = max_of(kept, bit_length(exact));
+  out.value[k] = (int32_t(low_after(exact, bits - kept)) ^ int32_t(sign)) - int32_t(sign);
+  out.dropped[k] = int8_t(bits - kept);
+}
+constexpr scaled_gradients on_one_scale(const cut_gradients& g) {
   int drop = 0;
-  const int64_t w = p.w_at(hx, hy);
-  for (int k = 0; k < 4; ++k) {
-    const linear_form& f = k < 2 ? p.u : p.v;
-    wide exact;
-    detail::set_difference(exact, (k & 1) != 0 ? f.y : f.x, w, p.value(f, hx, hy), (k & 1) != 0 ? p.w.y : p.w.x);
-    const uint64_t sign = sign_of(exact.high);
-    negate_if(exact, sign);
-    const int bits = max_of(kept, bit_length(exact));
-    cut[k] = (int32_t(low_after(exact, bits - kept)) ^ int32_t(sign)) - int32_t(sign);
-    dropped[k] = int8_t(bits - kept);
-    drop = max_of(drop, int(dropped[k]));
-  }
+  for (int k = 0; k < 4; ++k) drop = max_of(drop, int(g.dropped[k]));
   const auto alike = [&](int k) {
-    const int more = min_of(drop - dropped[k], kept), sign = cut[k] >> 31;
-    return (((cut[k] ^ sign) - sign) >> more ^ sign) - sign;
+    const int more = min_of(drop - g.dropped[k], 31), sign = g.value[k] >> 31;
+    return (((g.value[k] ^ sign) - sign) >> more ^ sign) - sign;
   };
   return {alike(0), alike(1), alike(2), alike(3), drop};
+}
+constexpr scaled_gradients scaled_gradients_at(const plane& p, int32_t hx, int32_t hy) {
+  const int64_t w = p.w_at(hx, hy);
+  cut_gradients g;
+  for (int k = 0; k < 4; ++k) cut_gradient(p, k, w, hx, hy, g);
+  return on_one_scale(g);
 }
 
 // log2 of the lengths of the two columns, s.16; minus 100 for zero.
 struct gradient_logs { int32_t x, y; };
-constexpr gradient_logs gradient_logs_at(const plane& p, int32_t hx, int32_t hy) {
-  const scaled_gradients g = scaled_gradients_at(p, hx, hy);
+constexpr gradient_logs gradient_logs_of(const scaled_gradients& g) {
   const auto half_log2 = [&g](int64_t u, int64_t v) {
     const uint64_t s = uint64_t(u * u) + uint64_t(v * v);
     return s == 0 ? -(100 << 16) : log2_16(s) / 2 + (g.drop << 16);
   };
   return {half_log2(g.ux, g.vx), half_log2(g.uy, g.vy)};
 }
+constexpr gradient_logs gradient_logs_at(const plane& p, int32_t hx, int32_t hy) { return gradient_logs_of(scaled_gradients_at(p, hx, hy)); }
 
 // log2 of KT88's K such that K/W^2 is twice the longer column of the Jacobian (per pixel) at a point where W > 0. For a plane seen by
 // KT88's camera K = 2 T Delta d is the same everywhere; for any other the formula is anchored at this point.

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <optional>
 
+#include <hal/kernels/by_pixel.hpp>
 #include <hal/kernels/kernel.hpp>
 #include <hal/kernels/masks.hpp>
 #include <hal/kernels/shortcuts.hpp>
@@ -33,9 +34,8 @@ struct of_all_rows {
 
 // Rows of spans of an area within the frame, not empty: `cover` makes the masks of row sy of those of the row before; the kernel draws, `out` writes, and what is left goes through the
 // renderer.
-template <class Renderer, class Cover, class Out>
-status draw_rows_to(row_kernel kernel, const planar_map& texels, Renderer& scalar, const surface& s, rectangle area, const frame_buffer& frame, draw_counters& counts, Cover cover,
-                    const typename Renderer::shading_job& shade, Out&& out) {
+template <class Cover, class Out>
+status draw_rows_to(row_kernel kernel, const planar_map& texels, int max_samples, const surface& s, rectangle area, const frame_buffer& frame, draw_counters& counts, Cover cover, Out&& out) {
   const int32_t first = first_span(area);
   const int count = span_count(area);
   if (count > max_row_spans) return status::bad_size;
@@ -51,7 +51,7 @@ status draw_rows_to(row_kernel kernel, const planar_map& texels, Renderer& scala
     const int32_t y = sy * span_side;
     row_work work = out.aside({s.map, &texels, s.kind, s.texture->last_level(), first + row.from, sy, row.to - row.from, row.mask + row.from,
                                frame.pixels + int64_t(y) * frame.stride, frame.stride, left + row.from});
-    work.most_ratio = log2_16(uint64_t(scalar.numbers().max_samples));
+    work.most_ratio = log2_16(uint64_t(max_samples));
     const shortcut known = all->everywhere.how != shortcut::way::none ? all->everywhere : shortcut_of(s, texels, intersection(area, {area.x0, y, area.x1, y + span_side}));
     if (known.how != shortcut::way::none) {
       draw_by(known, work);
@@ -65,20 +65,30 @@ status draw_rows_to(row_kernel kernel, const planar_map& texels, Renderer& scala
     for (bool* at = left + row.from; (at = next_left(at, left + row.to)) != nullptr; ++at) {
       *at = false;
       const int k = int(at - left);
+      const span_mask in_front = row.mask[k] & front_mask(*s.map, first + k, sy);
       --counts.jobs;
-      counts.pixels -= uint64_t(__builtin_popcountll(row.mask[k]));
-      SPANTEX_TRY(scalar.draw_span(s, first + k, sy, row.mask[k], shade));
+      counts.pixels -= uint64_t(__builtin_popcountll(row.mask[k] & ~in_front));
+      if (in_front == 0) {
+        ++counts.spans_behind;
+        continue;
+      }
+      work.sx = first + k;
+      work.count = 1;
+      work.masks = &in_front;
+      work.left = at;
+      draw_by_pixel(s, texels, max_samples, work.sx, sy, in_front, work.pixels, work.stride);
+      out.write(work, counts);
     }
   }
   return status::ok;
 }
 
 template <class Renderer, class Cover>
-status draw_rows(row_kernel kernel, const planar_map& texels, Renderer& scalar, const surface& s, rectangle area, const frame_buffer& frame, draw_counters& counts, Cover cover,
-                 const typename Renderer::shading_job& shade) {
+status draw_rows(row_kernel kernel, const planar_map& texels, const Renderer& scalar, const surface& s, rectangle area, const frame_buffer& frame, draw_counters& counts, Cover cover,
+                 [[maybe_unused]] const typename Renderer::shading_job& shade) {
   if constexpr (Renderer::shading_type::enabled)
-    if (!stores_as_computed(shade)) return draw_rows_to(kernel, texels, scalar, s, area, frame, counts, cover, shade, row_write_out(shade, frame));
-  return draw_rows_to(kernel, texels, scalar, s, area, frame, counts, cover, shade, in_place{});
+    if (!stores_as_computed(shade)) return draw_rows_to(kernel, texels, scalar.numbers().max_samples, s, area, frame, counts, cover, row_write_out(shade, frame));
+  return draw_rows_to(kernel, texels, scalar.numbers().max_samples, s, area, frame, counts, cover, in_place{});
 }
 
 }  // namespace detail

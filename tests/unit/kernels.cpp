@@ -93,6 +93,8 @@ SPANTEX_CASE(turned_planes_by_nearest) {
 
 SPANTEX_CASE(walls_to_the_side) { draw_walls_to_the_side(colour_space::coded); }
 
+SPANTEX_CASE(planes_to_the_horizon) { draw_planes_to_the_horizon(colour_space::coded); }
+
 SPANTEX_CASE(floors_and_walls) { draw_floors_and_walls(colour_space::coded); }
 
 SPANTEX_CASE(sheared_and_magnified_planes) { draw_sheared_and_magnified_planes(colour_space::coded); }
@@ -331,6 +333,7 @@ int main() {
       cmocka_unit_test(turned_planes_that_face_the_viewer),
       cmocka_unit_test(turned_planes_by_nearest),
       cmocka_unit_test(walls_to_the_side),
+      cmocka_unit_test(planes_to_the_horizon),
       cmocka_unit_test(floors_and_walls),
       cmocka_unit_test(sheared_and_magnified_planes),
       cmocka_unit_test(spans_of_four_to_nine_texels),

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Mesa's llvmpipe through OSMesa: one quad with homogeneous texture coordinates, or a model's triangles map by map from a buffer that was filled once; the same levels as
+// Mesa's llvmpipe through OSMesa: one polygon with homogeneous texture coordinates, or a model's triangles map by map from a buffer that was filled once; the same levels as
 // ours, one thread. draw() ends when the pixels are in the caller's buffer; of sRGB codes, which OSMesa's own buffer does not take, when they are in a renderbuffer, from which read() gets them.
 #include <stddef.h>
 #include <stdint.h>
@@ -42,7 +42,9 @@ class mesa_peer final : public peer {
   const char* name() const override { return "llvmpipe"; }
   const char* version() const override { return version_.c_str(); }
 
+  // Its anisotropic filter walks through all texels that a pixel's image spans: near a horizon it does not end.
   bool prepare(const task& t) override {
+    if (t.kind == sampling::aniso16 && !is_in_front(t)) return false;
     if (!begin(t.width, t.height, t.srgb)) return false;
     textures_ = {texture_of(t.levels, t.level_count, t.kind, t.srgb, GL_REPEAT, GL_REPEAT)};
     glDisable(GL_DEPTH_TEST);
@@ -51,6 +53,8 @@ class mesa_peer final : public peer {
     if (t.srgb) glOrtho(0, width_, 0, height_, -1, 1);
     else glOrtho(0, width_, height_, 0, -1, 1);  // y down: the buffer has its first row at the top
     set_corners(t);
+    glClearColor(0, 0, 0, 1);
+    glClear(GL_COLOR_BUFFER_BIT);
     return glGetError() == GL_NO_ERROR;
   }
 
@@ -163,7 +167,7 @@ class mesa_peer final : public peer {
   }
 
   void draw_plane() const {
-    glBegin(GL_QUADS);
+    glBegin(GL_POLYGON);
     for (const plane_corner& c : corners_) {
       glTexCoord4d(c.s, c.t, 0, c.q);
       glVertex2d(c.x, c.y);
@@ -171,12 +175,21 @@ class mesa_peer final : public peer {
     glEnd();
   }
 
+  // The picture's part in front of the viewer.
   void set_corners(const task& t) {
     const double* const m = t.matrix;
+    const auto corner_at = [&](double x, double y) {
+      return plane_corner{x, y, (m[0] * x + m[1] * y + m[2]) / t.levels[0].width, (m[3] * x + m[4] * y + m[5]) / t.levels[0].height, m[6] * x + m[7] * y + m[8]};
+    };
+    const double w = width_, h = height_;
+    const plane_corner all[] = {corner_at(0, 0), corner_at(w, 0), corner_at(w, h), corner_at(0, h)};
+    corners_.clear();
     for (int k = 0; k < 4; ++k) {
-      const double x = k == 1 || k == 2 ? width_ : 0, y = k >= 2 ? height_ : 0;
-      corners_[k] = {x, y, (m[0] * x + m[1] * y + m[2]) / t.levels[0].width, (m[3] * x + m[4] * y + m[5]) / t.levels[0].height,
-                     m[6] * x + m[7] * y + m[8]};
+      const plane_corner &a = all[k], &b = all[(k + 1) % 4];
+      if (a.q > 0) corners_.push_back(a);
+      if ((a.q > 0) == (b.q > 0)) continue;
+      const double along = a.q / (a.q - b.q);
+      corners_.push_back(corner_at(a.x + along * (b.x - a.x), a.y + along * (b.y - a.y)));
     }
   }
 
@@ -187,7 +200,7 @@ class mesa_peer final : public peer {
   GLuint codes_[2] = {};  // framebuffer and renderbuffer of sRGB codes
   std::vector<uint32_t> pixels_;
   int width_ = 0, height_ = 0;
-  plane_corner corners_[4]{};
+  std::vector<plane_corner> corners_;
   std::string version_ = "?";
 };
 

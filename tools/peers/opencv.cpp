@@ -16,7 +16,7 @@ class opencv_peer final : public peer {
   const char* version() const override { return CV_VERSION; }
 
   bool prepare(const task& t) override {
-    if ((t.kind != sampling::nearest && t.kind != sampling::bilinear) || t.srgb) return false;
+    if ((t.kind != sampling::nearest && t.kind != sampling::bilinear) || t.srgb || !is_in_front(t)) return false;
     const level& map = t.levels[0];
     map_ = cv::Mat(map.height, map.width, CV_8UC4, const_cast<uint8_t*>(map.rgba)).clone();
     frame_ = cv::Mat(t.height, t.width, CV_8UC4, cv::Scalar::all(0));

@@ -20,11 +20,20 @@ struct level {
 struct task {
   const level* levels;
   int level_count;     // each at max(1, floor(side / 2)) of the one before, down to 1x1
-  double matrix[9];    // u = (a x + b y + c)/(g x + h y + i), v = (d x + e y + f)/(...), texels; the divisor positive over the whole picture
+  double matrix[9];    // u = (a x + b y + c)/(g x + h y + i), v = (d x + e y + f)/(...), texels; what has no positive divisor is behind the viewer and stays opaque black
   int width, height;   // of the picture
   sampling kind;
   bool srgb;           // r, g, b are sRGB codes: decoded before they are filtered, encoded where they are written
 };
+
+// Whether all of the picture is in front of the viewer.
+inline bool is_in_front(const task& t) {
+  const double* const m = t.matrix;
+  for (const int x : {0, t.width})
+    for (const int y : {0, t.height})
+      if (!(m[6] * x + m[7] * y + m[8] > 0)) return false;
+  return true;
+}
 
 // Triangles in space, three corners each, as OpenGL has them.
 struct corner { float x, y, z, s, t; };  // s, t: of the map's width and height

@@ -23,7 +23,7 @@ class pixman_peer final : public peer {
   const char* version() const override { return pixman_version_string(); }
 
   bool prepare(const task& t) override {
-    if (t.kind != sampling::nearest && t.kind != sampling::bilinear) return false;
+    if ((t.kind != sampling::nearest && t.kind != sampling::bilinear) || !is_in_front(t)) return false;
     release();
     const level& map = t.levels[0];
     texels_.resize(size_t(map.width) * size_t(map.height));

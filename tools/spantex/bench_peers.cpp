@@ -92,11 +92,7 @@ peer_list load_peers(const std::vector<std::string>& wanted) {
 bool peers_can_draw(const sim::scene& s) {
   if (s.items.size() != 1 || s.items[0].is_polygon) return false;
   const texture_view& t = s.texture(s.items[0]);
-  if (t.wrap_u() != wrap::repeat || t.wrap_v() != wrap::repeat) return false;
-  for (const int x : {0, s.size.width_px})
-    for (const int y : {0, s.size.height_px})
-      if (!(sim::position(s.items[0].plane_matrix, x, y).w > 0)) return false;
-  return true;
+  return t.wrap_u() == wrap::repeat && t.wrap_v() == wrap::repeat;
 }
 
 bool prepare_peer(peers::peer& p, const sim::scene& s, filter kind) {

@@ -80,7 +80,7 @@ sim::scene empty_wall_scene(const char* name, sim::screen_size size) {
 }  // namespace
 
 const std::vector<std::string>& bench_scene_names() {
-  static const std::vector<std::string> names{"facing", "tilted", "grazing", "close", "far", "spider"};
+  static const std::vector<std::string> names{"facing", "tilted", "grazing", "close", "far", "horizon", "spider"};
   return names;
 }
 
