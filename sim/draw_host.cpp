@@ -36,22 +36,26 @@ struct prepared {
 
 }  // namespace
 
-bool kernel_draws(const draw_options& o) {
-  return kernels::kernel_of(o.kernel) != nullptr && profile_of(o.profile, o.changes) == profile_of(profile_choice::standard, {.max_samples = o.changes.max_samples}) &&
-         o.engine == engine_choice::direct && o.space == sampling_space::screen && kernels::draws(o.kind) && !o.single_half && o.port == nullptr && o.skips == usual_skips;
+kernels::choice kernel_for(const draw_options& o) {
+  const profile numbers = profile_of(o.profile, o.changes);
+  const kernels::choice kernel = kernels::resolved(o.kernel, numbers);
+  const bool draws = kernels::draws(kernel, numbers) && kernels::kernel_of(kernel) != nullptr && o.engine == engine_choice::direct && o.space == sampling_space::screen &&
+                     kernels::draws(o.kind) && !o.single_half && o.port == nullptr && o.skips == usual_skips;
+  return draws ? kernel : kernels::choice::scalar;
 }
 
 namespace {
 
 prepared prepare(const scene& s, const draw_options& o) {
   prepared p;
-  if (!kernel_draws(o)) return p;
-  p.kernel = kernels::kernel_of(o.kernel);
-  p.visible = kernels::cover_of(o.kernel);
+  const kernels::choice kernel = kernel_for(o);
+  if (kernel == kernels::choice::scalar) return p;
+  p.kernel = kernels::kernel_of(kernel);
+  p.visible = kernels::cover_of(kernel);
   p.maps.resize(s.maps->size());
   for (const drawable& item : s.items) {
     const kernels::planar_map*& map = p.maps[size_t(item.map_index)];
-    if (map == nullptr) map = &s.map_of(item).planar(kernels::layout_of(o.kernel));
+    if (map == nullptr) map = &s.map_of(item).planar(kernels::layout_of(kernel));
   }
   return p;
 }
@@ -63,7 +67,8 @@ bool planned_as_a_whole(const scene& s, const draw_options& o) {
   const auto is_planned = [&](const drawable& item) {
     return !item.is_polygon && kernels::upright_plane::plans(item.shape.map, o.kind) && (o.kind == filter::nearest || s.map_of(item).view_on_demand().colours() == colour_space::coded);
   };
-  return kernel_draws(o) && std::all_of(s.items.begin(), s.items.end(), is_planned);
+  const kernels::choice kernel = kernel_for(o);
+  return kernel != kernels::choice::scalar && kernel != kernels::choice::pixels && std::all_of(s.items.begin(), s.items.end(), is_planned);
 }
 
 // Bands of the picture; each thread's first one, and the end.
@@ -435,7 +440,7 @@ draw_result draw(const scene& all, const draw_options& options, frame_before* be
   if (options.team == nullptr) own.emplace(int(shares.starts.size()) - 1);
   thread_team& team = options.team == nullptr ? *own : *options.team;
   const prepared ready = prepare(s, options);
-  if (ready.kernel != nullptr) result.kernel = name_of(kernel_names, kernels::resolved(options.kernel));
+  if (ready.kernel != nullptr) result.kernel = name_of(kernel_names, kernel_for(options));
   std::vector<double> times;
   for (int k = 0; k < std::max(1, options.repeat); ++k)
     times.push_back(options.space == sampling_space::object ? draw_in_object_space(s, options, result)

@@ -49,8 +49,8 @@ inline constexpr std::array<named<filter>, 11> filter_names{{{"nearest", filter:
                                                             {"trilinear", filter::trilinear}, {"trilinear3", filter::trilinear3},
                                                             {"squares", filter::squares}, {"aniso", filter::aniso},
                                                             {"step", filter::step}, {"hat", filter::hat}, {"contour", filter::contour}}};
-inline constexpr std::array<named<kernels::choice>, 8> kernel_names{
-    {{"fastest", kernels::choice::fastest}, {"scalar", kernels::choice::scalar}, {"words", kernels::choice::words}, {"sse41", kernels::choice::sse41},
+inline constexpr std::array<named<kernels::choice>, 9> kernel_names{
+    {{"fastest", kernels::choice::fastest}, {"scalar", kernels::choice::scalar}, {"pixels", kernels::choice::pixels}, {"words", kernels::choice::words}, {"sse41", kernels::choice::sse41},
      {"avx2", kernels::choice::avx2}, {"neon", kernels::choice::neon}, {"avx512", kernels::choice::avx512},
      {"avx512-gathers", kernels::choice::avx512_gathers}}};
 inline constexpr std::array<named<sampling_space>, 2> space_names{{{"screen", sampling_space::screen}, {"object", sampling_space::object}}};
@@ -116,9 +116,9 @@ struct draw_options {
   progress_callback parts_done;
 };
 
-// Whether the kernel draws a scene's planes and polygons in that way: the numbers of profile default but for max_samples, engine direct, screen space,
-// no skip off.
-bool kernel_draws(const draw_options& o);
+// The kernel that draws a scene's planes and polygons in that way, by the profile's numbers (kernels::draws()): engine direct, screen space, no skip off. Scalar: the engine does.
+kernels::choice kernel_for(const draw_options& o);
+inline bool kernel_draws(const draw_options& o) { return kernel_for(o) != kernels::choice::scalar; }
 
 struct draw_result {
   image picture;

@@ -69,6 +69,26 @@ inline void draw_planes_to_the_horizon(colour_space colours) {
     }
 }
 
+// Numbers that are `pixels`' alone: profile exact, and aniso's other than how many samples at most.
+inline void draw_by_other_numbers(colour_space colours) {
+  const ready_map even(random_map(256, 512), wrap::repeat, colours), uneven(random_map(300, 200), wrap::mirror, colours), held(random_map(64, 64), wrap::clamp, colours);
+  constexpr rectangle area{0, 0, 203, 101};
+  random_source random(43);
+  run_time_profile samples{profiles::standard};
+  assert_false(kernels::draws(kernels::choice::pixels, profiles::seed) || kernels::draws(kernels::choice::pixels, profiles::compact));
+  for (const ready_map* map : {&even, &uneven, &held})
+    for (int k = 0; k < (short_run() ? 5 : 12); ++k) {
+      plane p = sample_plane(k % 3);
+      if (k >= 3 && !random_plane(random, area, p)) continue;
+      for (const filter kind : filters) draw_all_by<fixed_profile<profiles::exact>, profiles::exact.fine_side>({}, p, *map, kind, area, 203, 101);
+      samples.value.sample_spacing = k % 2 == 0 ? 0 : 16;
+      samples.value.sample_slack = 5 * (k % 4);
+      samples.value.sample_bias = -4 * (k % 5);
+      samples.value.max_samples = 16 - k;
+      draw_all_by(samples, p, *map, filter::aniso, area, 203, 101);
+    }
+}
+
 // Floors and walls seen by a camera that is not rolled: W varies along one axis of the screen alone, hardly or up to what only a division holds; the map is turned, and denser across or down.
 inline void draw_floors_and_walls(colour_space colours) {
   const ready_map even(random_map(512, 512), wrap::repeat, colours), held(random_map(256, 512), wrap::clamp, colours), uneven(random_map(500, 375), wrap::mirror, colours);

@@ -55,8 +55,9 @@ constexpr int32_t whole_quotient(int64_t n, int64_t w, inverse iw, bool& in_rang
 
 }  // namespace detail
 
-// In `r`, for who has memory for it. A pixel about its own centre has no use for slopes: they stay as they are.
-enum class slopes : bool { left_out, wanted };
+enum class slopes : bool { left_out, wanted };  // of a reference: a pixel about its own centre has no use for them, and they stay as they are
+
+// In `r`, for who has memory for it.
 SPANTEX_FRAME_APART constexpr void set_reference(const plane& p, int32_t hx, int32_t hy, reference& r, slopes of = slopes::wanted) {
   r.w = p.w_at(hx, hy);
   r.inverse_w = invert(r.w);
@@ -75,9 +76,9 @@ SPANTEX_FRAME_APART constexpr void set_reference(const plane& p, int32_t hx, int
   r.g = p.w.x;
   r.h = p.w.y;
 }
-constexpr reference reference_at(const plane& p, int32_t hx, int32_t hy, slopes of = slopes::wanted) {
+constexpr reference reference_at(const plane& p, int32_t hx, int32_t hy) {
   reference r{};
-  set_reference(p, hx, hy, r, of);
+  set_reference(p, hx, hy, r);
   return r;
 }
 

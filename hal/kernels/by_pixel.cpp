@@ -7,16 +7,24 @@
 namespace spantex::kernels {
 namespace {
 
+// A pixel is a function of plane, span, pixel and map, whatever local memory holds; and what else this takes for granted of the numbers it draws by.
+constexpr bool is_drawn_by_pixel(const profile& p) {
+  return p.overflow == overflow_policy::split && p.scope == level_scope::pixel && p.formula == level_formula::jacobian && p.level_bias == 0 && p.exact_set_up && p.linear_light &&
+         p.colour_rounding != rounding::floor;
+}
+static_assert(is_drawn_by_pixel(profiles::standard) && is_drawn_by_pixel(profiles::exact));
+
 // Four channels, two to a word, each in 32 bits of its own. four_point() and interpolated() take words for numbers: they are sums of products, and what they come to fits 32 bits.
 struct channel_pairs { uint64_t rb, ga; };
 constexpr uint64_t pair_of(uint32_t low, uint32_t high) { return low | uint64_t(high) << 32; }
 constexpr uint32_t of_pair(uint64_t pair, bool high) { return uint32_t(high ? pair >> 32 : pair); }
 
-// round_off(), halves up, of both.
-constexpr uint64_t rounded_pair(uint64_t x, int drop) {
-  if (drop <= 0) return x;
-  const uint32_t half = 1u << (drop - 1), kept = ~0u >> drop;
-  return (x + pair_of(half, half)) >> drop & pair_of(kept, kept);
+// round_off(), halves up, of both, each by its own number of bits.
+constexpr uint64_t rounded_pair(uint64_t x, int low_drop, int high_drop) {
+  const auto half = [](int drop) { return drop > 0 ? 1u << (drop - 1) : 0u; };
+  x += pair_of(half(low_drop), half(high_drop));
+  if (low_drop != high_drop) return pair_of(of_pair(x, false) >> low_drop, of_pair(x, true) >> high_drop);
+  return x >> low_drop & pair_of(~0u >> low_drop, ~0u >> low_drop);
 }
 
 // A map's colours by positions, of filters that kernels draw.
@@ -26,7 +34,7 @@ class map_colours {
   map_colours(const Prof& prof, const surface& s, const planar_map& texels)
       : prof_(prof), view_(*s.texture), map_(texels.levels_in_rows()), clamps_u_(texels.wrap_u() == wrap::clamp), clamps_v_(texels.wrap_v() == wrap::clamp) {}
 
-  // Of a level of detail and, with TwoLevels, the next coarser one.
+  // Those of a level of detail and, where the filter has two, of the next coarser one.
   void take(int32_t level, filter kind) {
     kind_ = kind;
     const int whole = integer_level(kind, level, q().level_bits, view_.last_level());
@@ -35,15 +43,13 @@ class map_colours {
     if (fraction_ != 0) hold(coarse_, whole + 1);
   }
 
-  // Whether all colours from that level of detail on (s.16) are one: then it is taken.
-  bool are_one_from(int32_t level_16) {
-    const int32_t last = view_.last_level();
-    if (view_.width(last) > 1 || view_.height(last) > 1 || level_16 < last * (1 << 16)) return false;
-    take(last << q().level_bits, filter::trilinear);
-    return true;
+  // Whether the last level is one colour, and which.
+  bool end_in_one(rgba8& colour) {
+    take(view_.last_level() << q().level_bits, filter::trilinear);
+    return are_one(colour);
   }
 
-  // Whether all colours there are one, and which.
+  // Whether the colours taken are one, and which.
   bool are_one(rgba8& colour) const {
     if (view_.width(fine_.level) > 1 || view_.height(fine_.level) > 1 || fraction_ != 0) return false;
     colour = *map_.row(fine_.level, 0);
@@ -59,25 +65,32 @@ class map_colours {
   void sample_at(const texel_position& p, auto&& with) const {
     channel_pairs c = blended(fine_, p);
     int bits = 2 * q().subtexel_bits;
-    if (uses_two_levels(kind_)) {
-      constexpr int most_bits = LinearLight ? max_linear_blend_bits : max_blend_bits;
-      const int kept = min_of(bits, min_of(q().blend_bits, most_bits - q().level_bits)), drop = bits - kept;
-      c = {rounded_pair(c.rb, drop), rounded_pair(c.ga, drop)};
-      bits = kept;
+    int alpha_bits = bits;
+    if (uses_two_levels(kind_)) {  // kept_of_level(), between_levels()
+      const auto kept = [&](int most_bits) { return min_of(bits, min_of(q().blend_bits, most_bits - q().level_bits)); };
+      const int drop = bits - kept(LinearLight ? max_linear_blend_bits : max_blend_bits), alpha_drop = bits - kept(max_blend_bits);
+      c = {rounded_pair(c.rb, drop, drop), rounded_pair(c.ga, drop, alpha_drop)};
       if (fraction_ != 0) {
         const channel_pairs next = blended(coarse_, p);
-        c = {interpolated<uint64_t>(c.rb, rounded_pair(next.rb, drop), fraction_, q().level_bits), interpolated<uint64_t>(c.ga, rounded_pair(next.ga, drop), fraction_, q().level_bits)};
-        bits += q().level_bits;
+        c = {interpolated<uint64_t>(c.rb, rounded_pair(next.rb, drop, drop), fraction_, q().level_bits),
+             interpolated<uint64_t>(c.ga, rounded_pair(next.ga, drop, alpha_drop), fraction_, q().level_bits)};
       }
+      const int gained = fraction_ != 0 ? q().level_bits : 0;
+      alpha_bits = bits - alpha_drop + gained;
+      bits += gained - drop;
     }
-    for (int k = 0; k < channel_count; ++k) with(k, partial_colour{of_pair(k % 2 == 0 ? c.rb : c.ga, k > 1), bits});
+    with(0, partial_colour{of_pair(c.rb, false), bits});
+    with(1, partial_colour{of_pair(c.ga, false), bits});
+    with(2, partial_colour{of_pair(c.rb, true), bits});
+    with(alpha_channel, partial_colour{of_pair(c.ga, true), alpha_bits});
   }
 
  private:
   const profile& q() const { return prof_.get(); }
 
   void hold(section& to, int level) const {
-    if (to.level != level || to.ratio_u == 0) to = detail::section_at(view_, level);
+    const bool none = to.ratio_u == 0;
+    if (none || to.level != level) to = detail::section_at(view_, level);
   }
 
   // The upper left of four texels: what a level has around it spares wrapping the others.
@@ -136,18 +149,18 @@ class span_gradients {
  private:
   struct line {
     cut_gradients g{};
-    bool known = false;
+    bool is_known = false;
   };
 
-  const cut_gradients& of_row(int j) { return found(rows_[j], 0, 0, j); }
-  const cut_gradients& of_column(int i) { return found(columns_[i], 1, i, 0); }
-  const cut_gradients& found(line& to, int by_y, int i, int j) const {
-    if (!to.known) {
+  const cut_gradients& of_row(int j) { return known(rows_[j], 0, 0, j); }
+  const cut_gradients& of_column(int i) { return known(columns_[i], 1, i, 0); }
+  const cut_gradients& known(line& to, int by_y, int i, int j) const {
+    if (!to.is_known) {
       const int32_t hx = cx_ + half_pixels(i), hy = cy_ + half_pixels(j);
       const int64_t w = plane_.w_at(hx, hy);
       cut_gradient(plane_, by_y, w, hx, hy, to.g);
       cut_gradient(plane_, 2 + by_y, w, hx, hy, to.g);
-      to.known = true;
+      to.is_known = true;
     }
     return to.g;
   }
@@ -162,89 +175,6 @@ class span_gradients {
   line rows_[span_side], columns_[span_side];
 };
 
-// coordinates_of_pixel() and position_at() of the pixels of a row, each about its own centre.
-template <class Prof>
-class lone_positions {
- public:
-  lone_positions(const plane& p, int32_t hx, int32_t hy) : plane_(p), w_(p.w_at(hx, hy)), u_(p.u_at(hx, hy)), v_(p.v_at(hx, hy)) {
-    if (plane_.rounding_bits != 0) exact_ = {p.value(p.exact_u, hx, hy), p.value(p.exact_v, hx, hy), p.value(p.exact_w, hx, hy)};
-  }
-
-  void next() {
-    w_ += 2 * plane_.w.x;
-    u_ += 2 * plane_.u.x;
-    v_ += 2 * plane_.v.x;
-    if (plane_.rounding_bits != 0) exact_ = {exact_.u + (plane_.exact_u.x + plane_.exact_u.x), exact_.v + (plane_.exact_v.x + plane_.exact_v.x), exact_.w + (plane_.exact_w.x + plane_.exact_w.x)};
-  }
-
-  int64_t w() const { return w_; }  // 2 W
-
-  texel_position at() const {
-    const inverse over_w = invert(w_);
-    axis u = about(u_, w_, over_w), v = about(v_, w_, over_w);
-    if (!rounding_is_small(plane_, w_, bit_length(uint64_t(max_of(size_of(u.base), size_of(v.base)) + 2)))) return exactly();
-    u.rest = u_ - u.base * w_;
-    v.rest = v_ - v.base * w_;
-    return {coordinate_of(u, over_w), coordinate_of(v, over_w)};
-  }
-
- private:
-  struct axis {
-    int32_t base;
-    bool in_range;
-    int64_t rest;
-  };
-  struct exact_values { wide u, v, w; };
-
-  static int32_t size_of(int32_t x) { return x < 0 ? -x : x; }
-  static axis about(int64_t n, int64_t w, inverse over_w) {
-    axis a{0, true, 0};
-    a.base = detail::whole_quotient(n, w, over_w, a.in_range);
-    return a;
-  }
-
-  // scale_down() of numbers whose result fits.
-  static int64_t rounded(const wide& x, int drop) {
-    const wide m = magnitude(x);
-    const auto size = int64_t(drop == 0 ? m.low : (low_after(m, drop - 1) + 1) >> 1);
-    return x.negative() ? -size : size;
-  }
-
-  // exact_reference_at()
-  texel_position exactly() const {
-    const bool in_front = !exact_.w.negative() && !exact_.w.zero();  // otherwise by the rounded W alone
-    const int cut = in_front ? max_of(0, bit_length(exact_.w) - detail::exact_w_bits) : 0;
-    const int64_t w = in_front ? rounded(exact_.w, cut) : w_;
-    const inverse over_w = invert(w);
-    const auto coordinate_by = [&](const wide& n, int64_t rounded_n) {
-      axis a{};
-      if (!in_front) {
-        a = about(rounded_n, w, over_w);
-        a.rest = rounded_n - a.base * w;
-      } else if (bit_length(n) - cut > 62) {
-        a = {n.negative() ? -32767 : 32767, false, 0};
-      } else {
-        a = about(rounded(n, cut), w, over_w);
-        a.rest = rounded(n - multiply(exact_.w, a.base), cut);
-      }
-      return coordinate_of(a, over_w);
-    };
-    return {coordinate_by(exact_.u, u_), coordinate_by(exact_.v, v_)};
-  }
-
-  // pixel_coordinates(), coordinate_at()
-  static coordinate coordinate_of(const axis& a, inverse over_w) {
-    constexpr const profile& q = Prof::value;
-    constexpr int exponent = min_of(q.offset_bits - 2, max_exponent);
-    const int32_t offset = a.in_range ? quotient(a.rest, max_of(0, bit_length(magnitude(a.rest)) - 31), over_w, exponent) : 0;
-    return sat_to<coordinate>(s<31, 16>::from_raw(int64_t(a.base) * (1 << 16) + int64_t(scale_down(offset, exponent - q.coordinate_bits)) * (1 << (16 - q.coordinate_bits))));
-  }
-
-  const plane& plane_;
-  int64_t w_, u_, v_;
-  exact_values exact_{};
-};
-
 template <class Prof, bool LinearLight>
 class span_by_pixel {
  public:
@@ -255,55 +185,50 @@ class span_by_pixel {
     const profile& q = prof_.get();
     const int32_t cx = 2 * span_side * sx + span_side, cy = 2 * span_side * sy + span_side;
     const plane& p = *s_.map;
+    const bool samples = uses_footprint(s_.kind), levels = uses_levels(s_.kind) && !samples;
     span_coefficients c = detail::blank_coefficients(s_);
     reference r;
     const bool whole = p.w_at(cx, cy) > 0 && detail::coordinates_of_span(prof_, s_, cx, cy, r, c);
     if (!whole) c = detail::blank_coefficients(s_);
-    else if (uses_footprint(s_.kind)) span_axis(q, c);
-    else if (uses_levels(s_.kind)) formula_levels(q, p, r, c);
+    else if (samples) span_axis(q, c);
+    else if (levels) formula_levels(q, p, r, c);
     const auto to = [&](int k) -> rgba8& { return pixels[int64_t(k / span_side) * stride + sx * span_side + k % span_side]; };
     span_gradients gradients(p, cx, cy);
-    if (!whole && uses_levels(s_.kind) && !uses_footprint(s_.kind) && colours_.are_one_from(finer(gradients.least_level(), q.mip_bias))) {
-      for (; mask != 0; mask &= mask - 1) (void)colours_.are_one(to(__builtin_ctzll(mask)));
+    rgba8 one;
+    if (!whole && levels && colours_.end_in_one(one) && finer(gradients.least_level(), q.mip_bias) >= s_.texture->last_level() * (1 << 16)) {
+      for (; mask != 0; mask &= mask - 1) to(__builtin_ctzll(mask)) = one;
       return;
     }
-    found pixel[span_pixel_count];
+    pixel found[span_pixel_count];
     int count = 0;
-    for (int j = 0; j < span_side; ++j) {
-      auto of_row = uint32_t(mask >> (span_side * j) & 0xFF);
-      lone_positions<Prof> lone(p, cx + half_pixels(0), cy + half_pixels(j));
-      for (int i = 0; of_row != 0; ++i, of_row >>= 1, lone.next()) {
-        if ((of_row & 1) == 0) continue;
-        if (!whole && uses_levels(s_.kind)) {
-          if (uses_footprint(s_.kind)) pixel_axis(jacobian_of(gradients.at(i, j), lone.w()), q, c);
-          else c.level_row[j] = c.level_column[i] = level_term(gradient_logs_of(gradients.at(i, j)), lone.w());
-        }
-        found& one = pixel[count];
-        one.k = span_side * j + i;
-        if (uses_footprint(s_.kind)) one.image = footprint_at(prof_, c, i, j);
-        else one.image.level = uses_levels(s_.kind) ? level_at(prof_, c, i, j) : 0;
-        colours_.take(one.image.level, s_.kind);
-        if (colours_.are_one(to(one.k))) continue;
-        one.at = whole ? position_at(prof_, c, i, j) : lone.at();
-        ++count;
-      }
+    for (; mask != 0; mask &= mask - 1) {
+      const int k = __builtin_ctzll(mask), i = k % span_side, j = k / span_side;
+      const int32_t hx = cx + half_pixels(i), hy = cy + half_pixels(j);
+      if (!whole && samples) pixel_axis(jacobian_of(gradients.at(i, j), p.w_at(hx, hy)), q, c);
+      else if (!whole && levels) pixel_levels(gradient_logs_of(gradients.at(i, j)), p.w_at(hx, hy), c);
+      pixel& next = found[count];
+      next.k = k;
+      if (samples) next.image = footprint_at(prof_, c, i, j);
+      else next.image.level = levels ? level_at(prof_, c, i, j) : 0;
+      colours_.take(next.image.level, s_.kind);
+      if (colours_.are_one(to(k))) continue;
+      if (!whole) detail::coordinates_of_pixel(prof_, s_, hx, hy, r, c);
+      next.at = position_at(prof_, c, i, j);
+      ++count;
     }
     for (int n = 0; n < count; ++n) {
-      const found& one = pixel[n];
-      colours_.take(one.image.level, s_.kind);
-      to(one.k) = s_.kind == filter::nearest ? colours_.texel_at(one.at) : uses_footprint(s_.kind) ? mean_of(one.image, one.at) : sample(one.at);
+      const pixel& x = found[n];
+      colours_.take(x.image.level, s_.kind);
+      to(x.k) = s_.kind == filter::nearest ? colours_.texel_at(x.at) : samples ? mean_of(x.image, x.at) : sample(x.at);
     }
   }
 
  private:
-  struct found {
-    int k;  // pixel of the span
+  struct pixel {
+    int k;  // of the span
     texel_position at;
     footprint image;  // of filters of one sample the level alone
   };
-
-  // pixel_levels(): of the longer of both.
-  static int16_t level_term(const gradient_logs& g, int64_t w) { return detail::level_term(max_of(g.x, g.y) + (1 << 16) - 2 * log2_16(uint64_t(w))); }
 
   rgba8 sample(const texel_position& at) const {
     uint8_t out[channel_count];
@@ -331,24 +256,43 @@ class span_by_pixel {
   map_colours<Prof, LinearLight> colours_;
 };
 
-// Profile default with other samples.
-struct other_samples : fixed_profile<profiles::standard> {
-  profile numbers = profiles::standard;
+// A profile with other samples.
+template <profile P>
+struct other_samples : fixed_profile<P> {
+  profile numbers;
   const profile& get() const { return numbers; }
 };
 
+profile with_samples_of(profile p, const profile& numbers) {
+  p.max_samples = numbers.max_samples;
+  p.sample_spacing = numbers.sample_spacing;
+  p.sample_slack = numbers.sample_slack;
+  p.sample_bias = numbers.sample_bias;
+  return p;
+}
+
 }  // namespace
 
-void draw_by_pixel(const surface& s, const planar_map& texels, int max_samples, int32_t sx, int32_t sy, span_mask mask, rgba8* pixels, int32_t stride) {
+bool draws_by_pixel(const profile& numbers) {
+  return numbers == with_samples_of(profiles::standard, numbers) || numbers == with_samples_of(profiles::exact, numbers);
+}
+
+void draw_by_pixel(const surface& s, const planar_map& texels, const profile& numbers, int32_t sx, int32_t sy, span_mask mask, rgba8* pixels, int32_t stride) {
   const auto draw = [&](const auto& prof) {
     using prof_type = std::remove_cvref_t<decltype(prof)>;
     if (in_linear_light(texels, s.kind)) span_by_pixel<prof_type, true>(prof, s, texels).draw(sx, sy, mask, pixels, stride);
     else span_by_pixel<prof_type, false>(prof, s, texels).draw(sx, sy, mask, pixels, stride);
   };
-  if (!uses_footprint(s.kind) || max_samples == profiles::standard.max_samples) return draw(fixed_profile<profiles::standard>{});
-  other_samples few;
-  few.numbers.max_samples = max_samples;
-  draw(few);
+  const auto draw_by = [&]<profile P>() {
+    if (!uses_footprint(s.kind) || numbers == P) draw(fixed_profile<P>{});
+    else draw(other_samples<P>{{}, numbers});
+  };
+  if (numbers == with_samples_of(profiles::exact, numbers)) draw_by.template operator()<profiles::exact>();
+  else draw_by.template operator()<profiles::standard>();
+}
+
+void leave_to_pixels(const row_work& work) {
+  for (int k = 0; k < work.count; ++k) work.left[k] = work.masks[k] != 0;
 }
 
 }  // namespace spantex::kernels

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What kernels leave: spans by the specification's own planner and datapath (spantex/plan.hpp, spantex/datapath.hpp), a pixel at a time, with the whole map for local memory.
+// What kernels leave, and what is drawn by numbers that they are not made for: spans by the specification's own planner and datapath (spantex/plan.hpp, spantex/datapath.hpp), a pixel at a time, with the whole map for local memory.
 #pragma once
 #include <stdint.h>
 
@@ -8,8 +8,13 @@
 
 namespace spantex::kernels {
 
-// Pixels of span (sx, sy), all of them in front of the viewer, of an opaque surface or to be written out. `pixels`: the first one of row span_side sy, from x = 0 on. Profile default but for
-// max_samples; filters that kernels draw.
-void draw_by_pixel(const surface& s, const planar_map& texels, int max_samples, int32_t sx, int32_t sy, span_mask mask, rgba8* pixels, int32_t stride);
+// Whether it draws by these numbers: those of profile default or exact, filter aniso's samples aside. Filters are those that kernels draw.
+bool draws_by_pixel(const profile& numbers);
+
+// Pixels of span (sx, sy), all of them in front of the viewer, of a surface without a level of its own. `pixels`: the first one of row span_side sy, from x = 0 on.
+void draw_by_pixel(const surface& s, const planar_map& texels, const profile& numbers, int32_t sx, int32_t sy, span_mask mask, rgba8* pixels, int32_t stride);
+
+// A row_kernel that leaves every span: choice::pixels.
+void leave_to_pixels(const row_work& work);
 
 }  // namespace spantex::kernels

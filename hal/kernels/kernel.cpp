@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kernel.hpp"
 
+#include "by_pixel.hpp"
+
 namespace spantex::kernels {
 
 void draw_by_filter(const row_kernels& coded, const row_kernels& linear_light, const row_work& work) {
@@ -26,8 +28,21 @@ choice resolved(choice c) {
   return choice::words;
 }
 
+bool draws(choice c, const profile& numbers) {
+  if (c == choice::pixels) return draws_by_pixel(numbers);
+  profile by = profiles::standard;
+  by.max_samples = numbers.max_samples;
+  return c != choice::scalar && numbers == by;
+}
+
+choice resolved(choice c, const profile& numbers) {
+  if (c != choice::fastest || draws(c, numbers)) return resolved(c);
+  return draws(choice::pixels, numbers) ? choice::pixels : choice::scalar;
+}
+
 row_kernel kernel_of(choice c) {
   switch (resolved(c)) {
+    case choice::pixels: return leave_to_pixels;
     case choice::words: return words_kernel();
     case choice::sse41: return sse41_kernel();
     case choice::avx2: return avx2_kernel();

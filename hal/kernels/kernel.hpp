@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Host kernels: whole rows of spans of a plane at once, profile default (aniso: with any max_samples), the same bytes as the scalar datapath (docs/SPEC.md). A kernel draws the
-// spans it is made for and says which it left; rows.hpp draws those through the scalar engine.
+// spans it is made for and says which it left; rows.hpp draws those pixel by pixel (by_pixel.hpp).
 #pragma once
 #include <stdint.h>
 #include <string.h>
@@ -61,7 +61,7 @@ inline bool* next_left(bool* at, bool* end) { return static_cast<bool*>(memchr(a
 
 using row_kernel = void (*)(const row_work&);
 
-enum class choice : uint8_t { fastest, scalar, words, sse41, avx2, neon, avx512, avx512_gathers };
+enum class choice : uint8_t { fastest, scalar, pixels, words, sse41, avx2, neon, avx512, avx512_gathers };
 
 inline constexpr int32_t longest_row = 2048;  // texels of level 0 along a row of samples (aniso) that kernels draw
 
@@ -84,8 +84,13 @@ row_kernel sse41_kernel();   // SSE4.1
 row_kernel neon_kernel();    // arm64
 row_kernel words_kernel();   // anything
 
-// What `fastest` is on this machine; any other choice itself.
+// What `fastest` is on this machine by the numbers of profile default; any other choice itself.
 choice resolved(choice c);
+// By any numbers: `scalar` where nothing else draws by them.
+choice resolved(choice c, const profile& numbers);
+
+// Whether it draws by these numbers: `pixels` see draws_by_pixel(); the others, but for `scalar`, by those of profile default with any max_samples.
+bool draws(choice c, const profile& numbers);
 
 // Null: the scalar engine draws everything, chosen or for want of what the choice takes.
 row_kernel kernel_of(choice c);
@@ -93,7 +98,7 @@ row_kernel kernel_of(choice c);
 // How maps must be made ready for it.
 layout layout_of(choice c);
 
-// What kernels are made for; they leave every span of another filter.
+// What kernels are made for.
 bool draws(filter f);
 
 }  // namespace spantex::kernels

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Planes and polygons by a kernel: rows of spans go to it, and what it leaves goes span by span through a renderer. The picture is the same bytes whoever
-// draws a span.
+// Planes and polygons by a kernel: rows of spans go to it, and what it leaves is drawn pixel by pixel. The picture is the same bytes whoever draws a span.
 #pragma once
 #include <stdint.h>
 
@@ -32,13 +31,37 @@ struct of_all_rows {
   of_all_rows(const surface& s, const planar_map& texels, rectangle area) : everywhere(shortcut_of(s, texels, area)), upright(s, area) {}
 };
 
-// Rows of spans of an area within the frame, not empty: `cover` makes the masks of row sy of those of the row before; the kernel draws, `out` writes, and what is left goes through the
-// renderer.
+// What is left of a row of spans, pixel by pixel. None of it is the kernel's job.
+template <class Out>
+void draw_left(const row_work& row, const surface& s, const profile& numbers, draw_counters& counts, Out&& out) {
+  bool* const end = row.left + row.count;
+  for (bool* at = row.left; (at = next_left(at, end)) != nullptr; ++at) {
+    *at = false;
+    row_work one = row;
+    const int k = int(at - row.left);
+    const span_mask in_front = row.masks[k] & front_mask(*s.map, row.sx + k, row.sy);
+    --counts.jobs;
+    counts.pixels -= uint64_t(__builtin_popcountll(row.masks[k] & ~in_front));
+    if (in_front == 0) {
+      ++counts.spans_behind;
+      continue;
+    }
+    one.sx += k;
+    one.count = 1;
+    one.masks = &in_front;
+    one.left = at;
+    draw_by_pixel(s, *row.texels, numbers, one.sx, one.sy, in_front, one.pixels, one.stride);
+    out.write(one, counts);
+  }
+}
+
+// Rows of spans of an area within the frame, not empty: `cover` makes the masks of row sy of those of the row before; the kernel draws, `out` writes, and so with what is left.
 template <class Cover, class Out>
-status draw_rows_to(row_kernel kernel, const planar_map& texels, int max_samples, const surface& s, rectangle area, const frame_buffer& frame, draw_counters& counts, Cover cover, Out&& out) {
+status draw_rows_to(row_kernel kernel, const planar_map& texels, const profile& numbers, const surface& s, rectangle area, const frame_buffer& frame, draw_counters& counts, Cover cover, Out&& out) {
   const int32_t first = first_span(area);
   const int count = span_count(area);
   if (count > max_row_spans) return status::bad_size;
+  const bool by_pixel = kernel == leave_to_pixels;  // of any numbers: shortcuts and scaled planes are of profile default's
   std::optional<of_all_rows> all;  // once something is seen
   row_memory memory;
   row_masks row;
@@ -51,34 +74,19 @@ status draw_rows_to(row_kernel kernel, const planar_map& texels, int max_samples
     const int32_t y = sy * span_side;
     row_work work = out.aside({s.map, &texels, s.kind, s.texture->last_level(), first + row.from, sy, row.to - row.from, row.mask + row.from,
                                frame.pixels + int64_t(y) * frame.stride, frame.stride, left + row.from});
-    work.most_ratio = log2_16(uint64_t(max_samples));
-    const shortcut known = all->everywhere.how != shortcut::way::none ? all->everywhere : shortcut_of(s, texels, intersection(area, {area.x0, y, area.x1, y + span_side}));
+    work.most_ratio = log2_16(uint64_t(numbers.max_samples));
+    shortcut known;
+    if (!by_pixel) known = all->everywhere.how != shortcut::way::none ? all->everywhere : shortcut_of(s, texels, intersection(area, {area.x0, y, area.x1, y + span_side}));
     if (known.how != shortcut::way::none) {
       draw_by(known, work);
       out.write(work, counts);
       continue;
     }
     work.memory = &memory;
-    if (!in_linear_light(texels, s.kind)) work.upright = all->upright.row(sy);
+    if (!by_pixel && !in_linear_light(texels, s.kind)) work.upright = all->upright.row(sy);
     kernel(work);
     out.write(work, counts);
-    for (bool* at = left + row.from; (at = next_left(at, left + row.to)) != nullptr; ++at) {
-      *at = false;
-      const int k = int(at - left);
-      const span_mask in_front = row.mask[k] & front_mask(*s.map, first + k, sy);
-      --counts.jobs;
-      counts.pixels -= uint64_t(__builtin_popcountll(row.mask[k] & ~in_front));
-      if (in_front == 0) {
-        ++counts.spans_behind;
-        continue;
-      }
-      work.sx = first + k;
-      work.count = 1;
-      work.masks = &in_front;
-      work.left = at;
-      draw_by_pixel(s, texels, max_samples, work.sx, sy, in_front, work.pixels, work.stride);
-      out.write(work, counts);
-    }
+    draw_left(work, s, numbers, counts, out);
   }
   return status::ok;
 }
@@ -87,18 +95,19 @@ template <class Renderer, class Cover>
 status draw_rows(row_kernel kernel, const planar_map& texels, const Renderer& scalar, const surface& s, rectangle area, const frame_buffer& frame, draw_counters& counts, Cover cover,
                  [[maybe_unused]] const typename Renderer::shading_job& shade) {
   if constexpr (Renderer::shading_type::enabled)
-    if (!stores_as_computed(shade)) return draw_rows_to(kernel, texels, scalar.numbers().max_samples, s, area, frame, counts, cover, row_write_out(shade, frame));
-  return draw_rows_to(kernel, texels, scalar.numbers().max_samples, s, area, frame, counts, cover, in_place{});
+    if (!stores_as_computed(shade)) return draw_rows_to(kernel, texels, scalar.numbers(), s, area, frame, counts, cover, row_write_out(shade, frame));
+  return draw_rows_to(kernel, texels, scalar.numbers(), s, area, frame, counts, cover, in_place{});
 }
 
 }  // namespace detail
 
-// Draws the part of the plane in front of the viewer inside `area` of the frame. `texels` is made of the view `t`; profile default but for max_samples. `scalar` must
-// hold nothing that is still computing, and holds nothing afterwards; `kind` is one that draws(). Maps whose texels are opaque are drawn so whatever their facts say: nothing of them
-// counts as blended. Spans looked at are counted in `counts`, and jobs and pixels of the kernel; those of the rest in the renderer's own counters.
+// Draws the part of the plane in front of the viewer inside `area` of the frame. `texels` is made of the view `t`. Of the renderer `scalar` what counts is its numbers, by which the kernel
+// draws(), and what it keeps; it must hold nothing that is still computing. Maps whose texels are opaque are drawn so whatever their facts say: nothing of them counts as blended. Counted are
+// spans looked at and behind the viewer, pixels drawn, and as jobs the spans that the kernel drew itself. Errors: out_of_range for filters that no kernel draws().
 template <class Renderer>
 status draw_plane(row_kernel kernel, const planar_map& texels, Renderer& scalar, const plane& p, const texture_view& t, filter kind, rectangle area,
                   const frame_buffer& frame, draw_counters& counts, const typename Renderer::shading_type& how = {}) {
+  if (!draws(kind)) return status::out_of_range;
   area = intersection(area, {0, 0, frame.width, frame.height});
   if (area.empty()) return scalar.flush();
   const int32_t first = first_span(area);
@@ -154,6 +163,7 @@ uint64_t lay_depths(row_cover visible, const polygon& p, rectangle area, depth_b
 template <class Renderer>
 status draw_polygon(row_kernel kernel, row_cover visible, const planar_map& texels, Renderer& scalar, const polygon& p, const texture_view& t, filter kind, rectangle area,
                     depth_buffer depth, const frame_buffer& frame, draw_counters& counts, const typename Renderer::shading_type& how = {}) {
+  if (!draws(kind)) return status::out_of_range;
   auto shade = how.of(p, depth.values);
   const bool stores_depth = (texels.opaque() && shade.without_alpha()) || how.stores_depth_first();
   area = intersection(intersection(p.box, area), {0, 0, frame.width, frame.height});

@@ -122,7 +122,7 @@ void compare_masks(kernels::choice which) {
 
 int main() {
   const map_pixels maps[] = {{64, 64}, {128, 8}, {48, 80}}, opaque(256, 32, true);
-  struct { kernels::choice which; const char* name; } const every[] = {{kernels::choice::words, "words"}, {kernels::choice::sse41, "sse41"}, {kernels::choice::avx2, "avx2"},
+  struct { kernels::choice which; const char* name; } const every[] = {{kernels::choice::pixels, "pixels"}, {kernels::choice::words, "words"}, {kernels::choice::sse41, "sse41"}, {kernels::choice::avx2, "avx2"},
                                                                        {kernels::choice::neon, "neon"}, {kernels::choice::avx512, "avx512"}, {kernels::choice::avx512_gathers, "avx512-gathers"}};
   struct { filter kind; const char* name; } const filters[] = {{filter::nearest, "nearest"}, {filter::bilinear, "bilinear"}, {filter::mip_bilinear, "mip-bilinear"},
                                                                {filter::trilinear, "trilinear"}, {filter::aniso, "aniso"}};

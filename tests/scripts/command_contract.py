@@ -163,9 +163,9 @@ SCALED = "0.73,0,11.3,0,0.61,5.7,0,0,1"
 
 
 def test_every_kernel_draws_the_same_on_any_number_of_threads(folder):
-    kernels = [k for k in ("scalar", "words", "sse41", "avx2", "avx512", "avx512-gathers", "neon")
+    kernels = [k for k in ("scalar", "pixels", "words", "sse41", "avx2", "avx512", "avx512-gathers", "neon")
                if run("plane", "--texture", "map.png", "--size", "8x8", "--matrix", IDENTITY, "--kernel", k, "--out", "o.png", cwd=folder).returncode == 0]
-    assert {"scalar", "words"} <= set(kernels), kernels
+    assert {"scalar", "pixels", "words"} <= set(kernels), kernels
     (folder / "alpha.png").write_bytes(png_bytes(64, 64, 6, lambda x, y: [200, 4 * x, 4 * y, (37 * x + 91 * y) % 256]))
     numbers = ("3", "40") if os.environ.get("SPANTEX_SANITIZED") else ("1", "2", "3", "40")
     for filter_name in ("nearest", "bilinear", "mip-bilinear", "trilinear", "aniso"):

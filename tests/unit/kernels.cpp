@@ -14,6 +14,16 @@ SPANTEX_CASE(a_machine_has_words_and_its_own) {
   assert_null(kernels::kernel_of(kernels::choice::scalar));
 }
 
+SPANTEX_CASE(other_filters_are_refused) {
+  const ready_map map(random_map(64, 64), wrap::repeat);
+  by_kernel.reset(64, 64);
+  engine_type engine;
+  renderer_type rest(engine, prof{}, by_kernel.frame());
+  draw_counters counts;
+  for (const filter kind : {filter::three_point, filter::trilinear3, filter::squares, filter::step, filter::hat, filter::contour})
+    assert_int_equal(kernels::draw_plane(kernels::kernel_of(kernels::choice::words), map.rows, rest, sample_plane(0), map.view, kind, {0, 0, 64, 64}, by_kernel.frame(), counts), status::out_of_range);
+}
+
 SPANTEX_CASE(ordinary_planes_are_drawn_by_the_kernel_alone) { draw_ordinary_planes(colour_space::coded); }
 
 SPANTEX_CASE(random_planes_and_maps_of_any_size) {
@@ -94,6 +104,8 @@ SPANTEX_CASE(turned_planes_by_nearest) {
 SPANTEX_CASE(walls_to_the_side) { draw_walls_to_the_side(colour_space::coded); }
 
 SPANTEX_CASE(planes_to_the_horizon) { draw_planes_to_the_horizon(colour_space::coded); }
+
+SPANTEX_CASE(other_numbers) { draw_by_other_numbers(colour_space::coded); }
 
 SPANTEX_CASE(floors_and_walls) { draw_floors_and_walls(colour_space::coded); }
 
@@ -325,6 +337,7 @@ SPANTEX_CASE(polygons_with_depth_are_the_same) {
 int main() {
   const CMUnitTest tests[] = {
       cmocka_unit_test(a_machine_has_words_and_its_own),
+      cmocka_unit_test(other_filters_are_refused),
       cmocka_unit_test(ordinary_planes_are_drawn_by_the_kernel_alone),
       cmocka_unit_test(random_planes_and_maps_of_any_size),
       cmocka_unit_test(rows_of_fewer_samples),
@@ -334,6 +347,7 @@ int main() {
       cmocka_unit_test(turned_planes_by_nearest),
       cmocka_unit_test(walls_to_the_side),
       cmocka_unit_test(planes_to_the_horizon),
+      cmocka_unit_test(other_numbers),
       cmocka_unit_test(floors_and_walls),
       cmocka_unit_test(sheared_and_magnified_planes),
       cmocka_unit_test(spans_of_four_to_nine_texels),

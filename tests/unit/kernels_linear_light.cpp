@@ -117,6 +117,8 @@ SPANTEX_CASE(turned_planes_between_levels) { draw_turned_planes_between_levels(c
 SPANTEX_CASE(walls_to_the_side) { draw_walls_to_the_side(colour_space::srgb); }
 SPANTEX_CASE(planes_to_the_horizon) { draw_planes_to_the_horizon(colour_space::srgb); }
 
+SPANTEX_CASE(other_numbers) { draw_by_other_numbers(colour_space::srgb); }
+
 SPANTEX_CASE(floors_and_walls) { draw_floors_and_walls(colour_space::srgb); }
 SPANTEX_CASE(sheared_and_magnified_planes) { draw_sheared_and_magnified_planes(colour_space::srgb); }
 SPANTEX_CASE(levels_that_do_not_halve_exactly) { draw_levels_that_do_not_halve_exactly(colour_space::srgb); }
@@ -144,6 +146,7 @@ int main() {
       cmocka_unit_test(turned_planes_between_levels),
       cmocka_unit_test(walls_to_the_side),
       cmocka_unit_test(planes_to_the_horizon),
+      cmocka_unit_test(other_numbers),
       cmocka_unit_test(floors_and_walls),
       cmocka_unit_test(sheared_and_magnified_planes),
       cmocka_unit_test(levels_that_do_not_halve_exactly),

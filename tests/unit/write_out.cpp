@@ -76,7 +76,7 @@ SPANTEX_CASE(planes_are_written_out_as_the_engine_does) {
   const rectangle all{0, 0, scene_width, scene_height}, part{3, 5, 61, 44};
   each_shading([&](const ready_map& map, const shading& how) {
     for (const filter kind : filters)
-      for (const plane& p : {sample_plane(1), upright_plane(0, 0, 1, 1, all), upright_plane(0.3, 7, 0.4, 1.7, all)})
+      for (const plane& p : {sample_plane(1), plane_to_the_horizon(all), upright_plane(0, 0, 1, 1, all), upright_plane(0.3, 7, 0.4, 1.7, all)})
         for (const rectangle area : {all, part})
           same_write_out(
               kind, [&](shaded_renderer& r, depths&) { SPANTEX_ASSERT_OK(r.draw(p, map.view, kind, area, how)); },
@@ -94,7 +94,7 @@ SPANTEX_CASE(polygons_are_written_out_as_the_engine_does) {
   int varied = 0;
   each_shading([&](const ready_map& map, const shading& flat) {
     for (const filter kind : {filter::nearest, filter::trilinear})
-      for (const bool leaves : {false, true})  // every other polygon to the engine
+      for (const bool leaves : {false, true})  // every other polygon pixel by pixel
         for (const bool varies : {false, true}) {
           const auto with_colours = [&](const auto& draw) {
             each_triangle([&](const polygon& p, const colour_forms& forms) {

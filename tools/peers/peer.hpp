@@ -8,6 +8,8 @@
 #pragma once
 #include <stdint.h>
 
+#include <initializer_list>
+
 namespace spantex::peers {
 
 enum class sampling : uint8_t { nearest, bilinear, mip_bilinear, trilinear, aniso16 };  // the first two: level 0 alone
@@ -59,7 +61,7 @@ class peer {
   virtual ~peer() = default;
   virtual const char* name() const = 0;
   virtual const char* version() const = 0;
-  virtual bool prepare(const task& t) = 0;          // false: not this sampling, or not these colours
+  virtual bool prepare(const task& t) = 0;          // false: not this sampling, not these colours, or not this plane
   virtual bool prepare(const model_task&) { return false; }
   virtual void begin_frame(const double*) {}        // of a model: clears the picture, opaque black; 16 numbers from space to clip coordinates, column by column
   virtual void draw() = 0;                          // of the task prepared last

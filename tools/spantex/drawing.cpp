@@ -91,7 +91,7 @@ sim::draw_result draw_with_bar(const sim::scene& s, sim::draw_options o, sim::fr
   const bool is_named = o.kernel != kernels::choice::scalar && o.kernel != kernels::choice::fastest;
   if (is_named && !sim::kernel_draws(o))
     throw sim::input_error("--kernel " + std::string(sim::name_of(sim::kernel_names, o.kernel)) +
-                           ": draws by the numbers of profile default on engine direct, filters nearest, bilinear, mip-bilinear, trilinear, aniso, no skip off; take fastest or scalar");
+                           ": draws by the numbers of profile default (pixels: and exact) on engine direct, filters nearest, bilinear, mip-bilinear, trilinear, aniso, no skip off; take fastest or scalar");
   progress_bar bar("drawing " + s.name, sim::draw_parts(s, o));
   o.parts_done = bar.callback();
   return sim::draw(s, o, before);

@@ -224,7 +224,7 @@ SPANTEX_INLINE range_of numbers_of(const int32_t* samples) {
   return r;
 }
 
-// False where the scalar engine must draw: rows that are too long, vectors of no length, texels too far from the base.
+// False where the span is left: rows that are too long, vectors of no length, texels too far from the base.
 template <bool MasksOnly>
 [[gnu::noinline]] bool draw_aniso(const row_in_hand& work, int32_t sx, span_mask mask, span_positions& p, const span_coefficients& c) {
   const row_levels& map = work.texels->levels_in_rows();

@@ -2,7 +2,7 @@
 // Vector kernels: spans planned by the specification's own set-up (spantex/coordinates.hpp, spantex/level.hpp). Included by the machines' files alone.
 #pragma once
 
-// Plans the spans of a row of work, one after another, from the first on. Not usable where the scalar engine must draw the span: behind or across the
+// Plans the spans of a row of work, one after another, from the first on. Not usable where the span is left: behind or across the
 // horizon, out of range, or with set-up's rounding in sight.
 template <filter Kind>
 class planner {
