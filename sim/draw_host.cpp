@@ -29,6 +29,7 @@ bool has_colours(const drawable& item) { return item.colours.varies || !(item.co
 
 // A host kernel and the maps made ready for it; null and none where the scalar engine draws.
 struct prepared {
+  kernels::choice who = kernels::choice::scalar;
   kernels::row_kernel kernel = nullptr;
   kernels::row_cover visible = nullptr;
   std::vector<const kernels::planar_map*> maps;  // null: of no item
@@ -48,14 +49,14 @@ namespace {
 
 prepared prepare(const scene& s, const draw_options& o) {
   prepared p;
-  const kernels::choice kernel = kernel_for(o);
-  if (kernel == kernels::choice::scalar) return p;
-  p.kernel = kernels::kernel_of(kernel);
-  p.visible = kernels::cover_of(kernel);
+  p.who = kernel_for(o);
+  if (p.who == kernels::choice::scalar) return p;
+  p.kernel = kernels::kernel_of(p.who);
+  p.visible = kernels::cover_of(p.who);
   p.maps.resize(s.maps->size());
   for (const drawable& item : s.items) {
     const kernels::planar_map*& map = p.maps[size_t(item.map_index)];
-    if (map == nullptr) map = &s.map_of(item).planar(kernels::layout_of(kernel));
+    if (map == nullptr) map = &s.map_of(item).planar(kernels::layout_of(p.who));
   }
   return p;
 }
@@ -440,7 +441,7 @@ draw_result draw(const scene& all, const draw_options& options, frame_before* be
   if (options.team == nullptr) own.emplace(int(shares.starts.size()) - 1);
   thread_team& team = options.team == nullptr ? *own : *options.team;
   const prepared ready = prepare(s, options);
-  if (ready.kernel != nullptr) result.kernel = name_of(kernel_names, kernel_for(options));
+  if (ready.kernel != nullptr) result.kernel = name_of(kernel_names, ready.who);
   std::vector<double> times;
   for (int k = 0; k < std::max(1, options.repeat); ++k)
     times.push_back(options.space == sampling_space::object ? draw_in_object_space(s, options, result)

@@ -102,7 +102,7 @@ struct draw_options {
   std::optional<uint8_t> outline;                  // 1/16 pixel, likewise
   rgba8 background{0, 0, 0, 255};
   bool counted = false;              // work is the engine's also where a kernel drew: the engine draws once more, untimed, the same picture
-  kernels::choice kernel = kernels::choice::fastest;  // where kernel_draws(): same bytes
+  kernels::choice kernel = kernels::choice::fastest;  // where kernel_for() takes it: same bytes
   int threads = 1;
   thread_team* team = nullptr;       // of so many threads, for more than one picture: starting threads takes as long as many a picture; null: threads of this one's own
   int repeat = 1;
@@ -118,7 +118,6 @@ struct draw_options {
 
 // The kernel that draws a scene's planes and polygons in that way, by the profile's numbers (kernels::draws()): engine direct, screen space, no skip off. Scalar: the engine does.
 kernels::choice kernel_for(const draw_options& o);
-inline bool kernel_draws(const draw_options& o) { return kernel_for(o) != kernels::choice::scalar; }
 
 struct draw_result {
   image picture;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Planes that pictures are made of, for 640x480 pixels and a map of 512 texels; `stretched` to other sizes. The first three are scenes (figures.hpp); close, magnified
-// five to eight times, and far, a wall to the side, are measured besides. The divisor is positive over the whole picture.
+// five to eight times, far, a wall to the side, and horizon, a floor with its horizon in the picture, are measured besides. The others' divisor is positive over the whole picture.
 #pragma once
 #include "ideal.hpp"
 

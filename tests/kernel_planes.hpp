@@ -75,7 +75,6 @@ inline void draw_by_other_numbers(colour_space colours) {
   constexpr rectangle area{0, 0, 203, 101};
   random_source random(43);
   run_time_profile samples{profiles::standard};
-  assert_false(kernels::draws(kernels::choice::pixels, profiles::seed) || kernels::draws(kernels::choice::pixels, profiles::compact));
   for (const ready_map* map : {&even, &uneven, &held})
     for (int k = 0; k < (short_run() ? 5 : 12); ++k) {
       plane p = sample_plane(k % 3);
@@ -86,6 +85,15 @@ inline void draw_by_other_numbers(colour_space colours) {
       samples.value.sample_bias = -4 * (k % 5);
       samples.value.max_samples = 16 - k;
       draw_all_by(samples, p, *map, filter::aniso, area, 203, 101);
+    }
+  // Where profile default's kernels have other ways: texels next to copies, scaled planes. And to the horizon, by exact with other samples too.
+  run_time_profile exact{profiles::exact};
+  exact.value.sample_spacing = 9;
+  exact.value.sample_slack = 11;
+  for (const plane& p : {upright_plane(7 + 1 / 400., 3, 1, 1, area), upright_plane(0.3, 7, 0.4, 1.7, area), plane_to_the_horizon(area)})
+    for (const ready_map* map : {&even, &uneven}) {
+      for (const filter kind : filters) draw_all_by<fixed_profile<profiles::exact>, profiles::exact.fine_side>({}, p, *map, kind, area, 203, 101);
+      draw_all_by<run_time_profile, profiles::exact.fine_side>(exact, p, *map, filter::aniso, area, 203, 101);
     }
 }
 

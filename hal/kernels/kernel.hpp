@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Host kernels: whole rows of spans of a plane at once, profile default (aniso: with any max_samples), the same bytes as the scalar datapath (docs/SPEC.md). A kernel draws the
+// Host kernels: whole rows of spans of a plane at once, profile default (aniso: with any max_samples; `pixels`: draws()), the same bytes as the scalar datapath (docs/SPEC.md). A kernel draws the
 // spans it is made for and says which it left; rows.hpp draws those pixel by pixel (by_pixel.hpp).
 #pragma once
 #include <stdint.h>

@@ -36,6 +36,7 @@ row_cover cover_of(choice c) {
     case choice::avx512:
     case choice::avx512_gathers: return avx512_cover();
     case choice::avx2: return avx2_cover();
+    case choice::pixels: return cover_of(choice::fastest);  // which is another: masks are the same by any numbers
     default: return words_cover();
   }
 }

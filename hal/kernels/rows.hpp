@@ -62,7 +62,7 @@ status draw_rows_to(row_kernel kernel, const planar_map& texels, const profile& 
   const int count = span_count(area);
   if (count > max_row_spans) return status::bad_size;
   const bool by_pixel = kernel == leave_to_pixels;  // of any numbers: shortcuts and scaled planes are of profile default's
-  std::optional<of_all_rows> all;  // once something is seen
+  std::optional<of_all_rows> all;  // once something is seen, and not by pixel
   row_memory memory;
   row_masks row;
   bool left[max_row_spans];
@@ -70,20 +70,20 @@ status draw_rows_to(row_kernel kernel, const planar_map& texels, const profile& 
   for (int32_t sy = area.y0 / span_side; sy <= (area.y1 - 1) / span_side; ++sy) {
     cover(sy, row);
     if (row.from >= row.to) continue;
-    if (!all) all.emplace(s, texels, area);
+    if (!all && !by_pixel) all.emplace(s, texels, area);
     const int32_t y = sy * span_side;
     row_work work = out.aside({s.map, &texels, s.kind, s.texture->last_level(), first + row.from, sy, row.to - row.from, row.mask + row.from,
                                frame.pixels + int64_t(y) * frame.stride, frame.stride, left + row.from});
     work.most_ratio = log2_16(uint64_t(numbers.max_samples));
     shortcut known;
-    if (!by_pixel) known = all->everywhere.how != shortcut::way::none ? all->everywhere : shortcut_of(s, texels, intersection(area, {area.x0, y, area.x1, y + span_side}));
+    if (all) known = all->everywhere.how != shortcut::way::none ? all->everywhere : shortcut_of(s, texels, intersection(area, {area.x0, y, area.x1, y + span_side}));
     if (known.how != shortcut::way::none) {
       draw_by(known, work);
       out.write(work, counts);
       continue;
     }
     work.memory = &memory;
-    if (!by_pixel && !in_linear_light(texels, s.kind)) work.upright = all->upright.row(sy);
+    if (all && !in_linear_light(texels, s.kind)) work.upright = all->upright.row(sy);
     kernel(work);
     out.write(work, counts);
     draw_left(work, s, numbers, counts, out);
@@ -102,14 +102,14 @@ status draw_rows(row_kernel kernel, const planar_map& texels, const Renderer& sc
 }  // namespace detail
 
 // Draws the part of the plane in front of the viewer inside `area` of the frame. `texels` is made of the view `t`. Of the renderer `scalar` what counts is its numbers, by which the kernel
-// draws(), and what it keeps; it must hold nothing that is still computing. Maps whose texels are opaque are drawn so whatever their facts say: nothing of them counts as blended. Counted are
+// draws(), and what it keeps; it may hold nothing that is still computing. Maps whose texels are opaque are drawn so whatever their facts say: nothing of them counts as blended. Counted are
 // spans looked at and behind the viewer, pixels drawn, and as jobs the spans that the kernel drew itself. Errors: out_of_range for filters that no kernel draws().
 template <class Renderer>
-status draw_plane(row_kernel kernel, const planar_map& texels, Renderer& scalar, const plane& p, const texture_view& t, filter kind, rectangle area,
+status draw_plane(row_kernel kernel, const planar_map& texels, const Renderer& scalar, const plane& p, const texture_view& t, filter kind, rectangle area,
                   const frame_buffer& frame, draw_counters& counts, const typename Renderer::shading_type& how = {}) {
   if (!draws(kind)) return status::out_of_range;
   area = intersection(area, {0, 0, frame.width, frame.height});
-  if (area.empty()) return scalar.flush();
+  if (area.empty()) return status::ok;
   const int32_t first = first_span(area);
   const int count = span_count(area);
   span_mask filled = 0;  // what the row before has in all spans but the ends; 0 where some are kept
@@ -139,8 +139,7 @@ status draw_plane(row_kernel kernel, const planar_map& texels, Renderer& scalar,
   };
   auto shade = how.of(p);
   if (texels.opaque()) shade.without_alpha();
-  SPANTEX_TRY(detail::draw_rows(kernel, texels, scalar, surface{&p, &t, kind}, area, frame, counts, cover, shade));
-  return scalar.flush();
+  return detail::draw_rows(kernel, texels, scalar, surface{&p, &t, kind}, area, frame, counts, cover, shade);
 }
 
 // lay_depths() (visibility.hpp) of the part of a polygon inside `area`, by vectors.
@@ -161,13 +160,13 @@ uint64_t lay_depths(row_cover visible, const polygon& p, rectangle area, depth_b
 
 // Draws the part of a polygon inside `area`, hidden parts left out. `visible` makes the masks. The same otherwise.
 template <class Renderer>
-status draw_polygon(row_kernel kernel, row_cover visible, const planar_map& texels, Renderer& scalar, const polygon& p, const texture_view& t, filter kind, rectangle area,
+status draw_polygon(row_kernel kernel, row_cover visible, const planar_map& texels, const Renderer& scalar, const polygon& p, const texture_view& t, filter kind, rectangle area,
                     depth_buffer depth, const frame_buffer& frame, draw_counters& counts, const typename Renderer::shading_type& how = {}) {
   if (!draws(kind)) return status::out_of_range;
   auto shade = how.of(p, depth.values);
   const bool stores_depth = (texels.opaque() && shade.without_alpha()) || how.stores_depth_first();
   area = intersection(intersection(p.box, area), {0, 0, frame.width, frame.height});
-  if (area.empty()) return scalar.flush();
+  if (area.empty()) return status::ok;
   const masked_polygon masked(p, area, depth, frame.width, frame.height, stores_depth);
   const bool keeps = scalar.keeps_some();
   bool leaves[max_row_spans];
@@ -175,8 +174,7 @@ status draw_polygon(row_kernel kernel, row_cover visible, const planar_map& texe
     for (int k = 0; keeps && k < masked.span_count(); ++k) leaves[k] = scalar.keeps(masked.first_span() + k, sy);
     visible(masked, sy, keeps ? leaves : nullptr, out, counts);
   };
-  SPANTEX_TRY(detail::draw_rows(kernel, texels, scalar, surface{&p.map, &t, kind}, area, frame, counts, cover, shade));
-  return scalar.flush();
+  return detail::draw_rows(kernel, texels, scalar, surface{&p.map, &t, kind}, area, frame, counts, cover, shade);
 }
 
 }  // namespace spantex::kernels

@@ -118,8 +118,7 @@ template <class Renderer>
   direct_engine<prof> engine;
   Renderer rest(engine, prof{}, frame);
   draw_counters counts;
-  status done = kernels::draw_plane(kernel, from.texels, rest, p, from.map.view, kind, drawn, frame, counts, how);
-  if (done == status::ok) done = rest.finish();
+  const status done = kernels::draw_plane(kernel, from.texels, rest, p, from.map.view, kind, drawn, frame, counts, how);
   count_end();
   if (done != status::ok) std::abort();
   return counts.jobs;

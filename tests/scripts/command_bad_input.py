@@ -130,6 +130,7 @@ CASES = [
     (plane(texture="checksum.png"), ["checksum.png", "cannot decode", "IDAT"]),
     *[([*plane(), "--kernel", "words", *more], ["--kernel words", "profile default"])
       for more in (["--profile", "seed"], ["--slack", "8", "--filter", "aniso"], ["--filter", "squares"], ["--engine", "sim"], ["--no-skip", "empty"])],
+    *[([*plane(), "--kernel", "pixels", *more], ["--kernel pixels", "exact"]) for more in (["--profile", "seed"], ["--profile", "compact"], ["--level", "major"], ["--filter", "three-point"])],
     (plane(texture="header.png"), ["header.png", "truncated"]),
     (plane(texture="truncated.bmp"), ["truncated.bmp", "truncated"]),
     (plane(texture="noise.png"), ["noise.png"]),

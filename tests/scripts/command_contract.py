@@ -39,7 +39,7 @@ def test_stats(folder):
     missing = [k for k in common if k not in stats]
     assert not missing, missing
     assert "cycles" not in stats
-    assert (stats["profile"], stats["filter"], stats["threads"], stats["spans_total"]) == ("exact", "trilinear", 2, 48)
+    assert (stats["profile"], stats["filter"], stats["threads"], stats["spans_total"], stats["kernel"]) == ("exact", "trilinear", 2, 48, "pixels")
     assert stats["ns_per_pixel"] > 0 and stats["words_loaded"] > 0 and set(stats["spans_skipped"]) == {"empty", "behind", "hidden"}
     plane(folder, "o.png", stats="s.json", engine="sim")
     stats = json.loads((folder / "s.json").read_text())

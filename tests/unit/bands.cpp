@@ -35,6 +35,7 @@ SPANTEX_CASE(bands_are_as_high_as_they_are_planned) {
   assert_int_equal(bands(scaled, filter::bilinear, choice::words, 40, 40), 10);
   assert_int_equal(bands(scaled, filter::bilinear, choice::words, 7, 2), 1);
   assert_int_equal(bands(turned, filter::bilinear, choice::words, 7, 2), 6);
+  assert_int_equal(bands(scaled, filter::bilinear, choice::pixels, 7, 2), 6);
   assert_int_equal(bands(scaled, filter::aniso, choice::words, 7, 2), 6);
   assert_int_equal(bands(scaled, filter::bilinear, choice::scalar, 7, 2), 6);  // 1, 1, 1 and 2, 1, 1
   assert_int_equal(bands(turned, filter::bilinear, choice::scalar, 40, 2), 16);  // of twenty rows 10, 3, 2, 1, 1, 1, 1, 1

@@ -14,6 +14,24 @@ SPANTEX_CASE(a_machine_has_words_and_its_own) {
   assert_null(kernels::kernel_of(kernels::choice::scalar));
 }
 
+SPANTEX_CASE(numbers_choose_the_kernel) {
+  using kernels::choice;
+  profile fewer = profiles::standard, other = profiles::standard, other_exact = profiles::exact, bias = profiles::standard;
+  fewer.max_samples = 5;
+  other.sample_slack = 8;
+  other_exact.sample_spacing = 3;
+  bias.level_bias = 4;
+  for (const profile& p : {profiles::standard, fewer}) {
+    assert_true(kernels::resolved(choice::fastest, p) == kernels::resolved(choice::fastest) && kernels::draws(choice::words, p) && kernels::draws(choice::pixels, p));
+  }
+  for (const profile& p : {profiles::exact, other, other_exact}) {
+    assert_true(kernels::resolved(choice::fastest, p) == choice::pixels && kernels::resolved(choice::words, p) == choice::words);
+    assert_true(kernels::draws(choice::pixels, p) && !kernels::draws(choice::words, p));
+  }
+  for (const profile& p : {profiles::seed, profiles::compact, bias}) assert_true(kernels::resolved(choice::fastest, p) == choice::scalar && !kernels::draws(choice::pixels, p));
+  assert_false(kernels::draws(choice::scalar, profiles::standard));
+}
+
 SPANTEX_CASE(other_filters_are_refused) {
   const ready_map map(random_map(64, 64), wrap::repeat);
   by_kernel.reset(64, 64);
@@ -49,7 +67,7 @@ SPANTEX_CASE(turned_planes_that_face_the_viewer) {
     plane p{};
     SPANTEX_ASSERT_OK(make_plane(homography_of(m), area, p));
     assert_true(p.w.x == 0 && p.w.y == 0);
-    const bool near = magnitude(int64_t(m[0] / m[8])) < 8;  // none is left to the engine then
+    const bool near = magnitude(int64_t(m[0] / m[8])) < 8;  // none is left then
     for (const filter kind : {filter::nearest, filter::bilinear, filter::mip_bilinear, filter::trilinear}) draw_all(p, map, kind, area, 96, height, near ? 0 : UINT64_MAX);
   };
   for (const auto& side : sides)
@@ -337,6 +355,7 @@ SPANTEX_CASE(polygons_with_depth_are_the_same) {
 int main() {
   const CMUnitTest tests[] = {
       cmocka_unit_test(a_machine_has_words_and_its_own),
+      cmocka_unit_test(numbers_choose_the_kernel),
       cmocka_unit_test(other_filters_are_refused),
       cmocka_unit_test(ordinary_planes_are_drawn_by_the_kernel_alone),
       cmocka_unit_test(random_planes_and_maps_of_any_size),

@@ -89,9 +89,9 @@ std::string stats_json(const sim::draw_result& r, const sim::draw_options& o, st
 
 sim::draw_result draw_with_bar(const sim::scene& s, sim::draw_options o, sim::frame_before* before) {
   const bool is_named = o.kernel != kernels::choice::scalar && o.kernel != kernels::choice::fastest;
-  if (is_named && !sim::kernel_draws(o))
+  if (is_named && sim::kernel_for(o) != o.kernel)
     throw sim::input_error("--kernel " + std::string(sim::name_of(sim::kernel_names, o.kernel)) +
-                           ": draws by the numbers of profile default (pixels: and exact) on engine direct, filters nearest, bilinear, mip-bilinear, trilinear, aniso, no skip off; take fastest or scalar");
+                           ": draws by the numbers of profile default with any --samples (pixels: and exact, with any of aniso's) on engine direct, filters nearest, bilinear, mip-bilinear, trilinear, aniso, no skip off; take fastest or scalar");
   progress_bar bar("drawing " + s.name, sim::draw_parts(s, o));
   o.parts_done = bar.callback();
   return sim::draw(s, o, before);

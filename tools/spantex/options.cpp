@@ -200,7 +200,7 @@ void drawing_options::add_to(CLI::App& app, bool with_engine) {
   app.add_option("--field-scale", field_scale, "filter contour: field units per texel across the contour, 1/16..255");
   if (!with_engine) return;
   app.add_option("--engine", engine, list_of(sim::engine_names))->capture_default_str();
-  app.add_option("--kernel", kernel, "who draws, the bytes are the same; pixels by the numbers of profiles default and exact, the others but scalar by those of default: " + list_of(sim::kernel_names))->capture_default_str();
+  app.add_option("--kernel", kernel, "who draws, the bytes are the same; pixels: profiles default and exact with any numbers of aniso, the others but scalar: default with any --samples; " + list_of(sim::kernel_names))->capture_default_str();
   app.add_option("--threads", threads, "threads, each with its own engine, 1.." + std::to_string(most_threads))->capture_default_str();
   app.add_option("--repeat", repeat, "draw so often, 1.." + std::to_string(most_repeats) + "; times are medians")->capture_default_str();
   app.add_option("--cull", culled, "polygons left out by how their corners run on the screen: " + list_of(sim::cull_names) + " (clockwise: the backs of closed models)")->capture_default_str();
