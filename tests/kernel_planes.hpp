@@ -59,7 +59,7 @@ inline void draw_planes_to_the_horizon(colour_space colours) {
     for (const wrap w : wraps) {
       const ready_map map(random_map(side[0], side[1]), w, colours);
       for (int k = 0; k < (short_run() ? 4 : 24); ++k) {
-        const double turn = double(random.between(0, 6283)) / 1000, far = k % 4 == 0 ? 3e6 : k % 4 == 1 ? 30000 : 700, closeness = k % 3 == 0 ? 0.0004 : 0.01;
+        const double turn = double(random.between(0, 6283)) / 1000, far = k % 4 == 0 ? 32000 : k % 4 == 1 ? 9000 : 700, closeness = k % 3 == 0 ? 0.0004 : 0.01;
         const double horizon_x = double(random.between(10, 190)), horizon_y = double(random.between(10, 90)), g = closeness * cos(turn), h = closeness * sin(turn);
         const double m[9] = {0.7 * cos(turn + 1), 0.4, far * (k % 2 == 0 ? 1 : -0.3), -0.2, 0.9 * sin(turn + 2), 0.01 * far, g, h, -g * horizon_x - h * horizon_y};
         plane p{};
