@@ -109,6 +109,8 @@ struct scaled_gradients {
   int32_t ux, uy, vx, vy;
   int drop;
 };
+inline constexpr int gradient_bits = 31;  // of a magnitude
+
 // The four, each cut by itself: value 2^dropped. 0 du/dx, 1 du/dy, 2 dv/dx, 3 dv/dy: those by x depend on the row alone, those by y on the column.
 struct cut_gradients {
   int32_t value[4];
@@ -116,21 +118,20 @@ struct cut_gradients {
 };
 // One of them, W given.
 constexpr void cut_gradient(const plane& p, int k, int64_t w, int32_t hx, int32_t hy, cut_gradients& out) {
-  constexpr int kept = 31;
   const linear_form& f = k < 2 ? p.u : p.v;
   wide exact;
   detail::set_difference(exact, (k & 1) != 0 ? f.y : f.x, w, p.value(f, hx, hy), (k & 1) != 0 ? p.w.y : p.w.x);
   const uint64_t sign = sign_of(exact.high);
   negate_if(exact, sign);
-  const int bits = max_of(kept, bit_length(exact));
-  out.value[k] = (int32_t(low_after(exact, bits - kept)) ^ int32_t(sign)) - int32_t(sign);
-  out.dropped[k] = int8_t(bits - kept);
+  const int bits = max_of(gradient_bits, bit_length(exact));
+  out.value[k] = (int32_t(low_after(exact, bits - gradient_bits)) ^ int32_t(sign)) - int32_t(sign);
+  out.dropped[k] = int8_t(bits - gradient_bits);
 }
 constexpr scaled_gradients on_one_scale(const cut_gradients& g) {
   int drop = 0;
   for (int k = 0; k < 4; ++k) drop = max_of(drop, int(g.dropped[k]));
   const auto alike = [&](int k) {
-    const int more = min_of(drop - g.dropped[k], 31), sign = g.value[k] >> 31;
+    const int more = min_of(drop - g.dropped[k], gradient_bits), sign = g.value[k] >> 31;
     return (((g.value[k] ^ sign) - sign) >> more ^ sign) - sign;
   };
   return {alike(0), alike(1), alike(2), alike(3), drop};

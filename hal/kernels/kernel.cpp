@@ -7,17 +7,13 @@ namespace spantex::kernels {
 
 void draw_by_filter(const row_kernels& coded, const row_kernels& linear_light, const row_work& work) {
   const row_kernels& kernels = in_linear_light(*work.texels, work.kind) ? linear_light : coded;
-  row_kernel draw = nullptr;
   switch (work.kind) {
-    case filter::nearest: draw = kernels.nearest; break;
-    case filter::bilinear: draw = kernels.bilinear; break;
-    case filter::mip_bilinear: draw = kernels.mip_bilinear; break;
-    case filter::trilinear: draw = kernels.trilinear; break;
-    case filter::aniso: draw = kernels.aniso; break;
-    default: break;
+    case filter::nearest: return kernels.nearest(work);
+    case filter::bilinear: return kernels.bilinear(work);
+    case filter::mip_bilinear: return kernels.mip_bilinear(work);
+    case filter::trilinear: return kernels.trilinear(work);
+    default: return kernels.aniso(work);
   }
-  if (draw != nullptr) return draw(work);
-  for (int k = 0; k < work.count; ++k) work.left[k] = true;
 }
 
 choice resolved(choice c) {

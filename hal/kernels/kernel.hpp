@@ -71,7 +71,7 @@ constexpr int32_t largest_base(filter kind) { return 32767 - (2 << max_extent_lo
 // Whether texels are decoded before they are filtered: sRGB maps' that are blended.
 inline bool in_linear_light(const planar_map& texels, filter kind) { return texels.levels_in_rows().linear_light() && kind != filter::nearest; }
 
-// One machine's kernels by filter; every span of any other filter is left. Of colours as coded, and in linear light.
+// One machine's kernels by filter. Of colours as coded, and in linear light, which nearest has no use for. `work` has a filter that draws().
 struct row_kernels { row_kernel nearest, bilinear, mip_bilinear, trilinear, aniso; };
 void draw_by_filter(const row_kernels& coded, const row_kernels& linear_light, const row_work& work);
 

@@ -37,7 +37,6 @@ void draw_left(const row_work& row, const surface& s, const profile& numbers, dr
   bool* const end = row.left + row.count;
   for (bool* at = row.left; (at = next_left(at, end)) != nullptr; ++at) {
     *at = false;
-    row_work one = row;
     const int k = int(at - row.left);
     const span_mask in_front = row.masks[k] & front_mask(*s.map, row.sx + k, row.sy);
     --counts.jobs;
@@ -46,6 +45,7 @@ void draw_left(const row_work& row, const surface& s, const profile& numbers, dr
       ++counts.spans_behind;
       continue;
     }
+    row_work one = row;
     one.sx += k;
     one.count = 1;
     one.masks = &in_front;

@@ -47,10 +47,16 @@ constexpr rectangle screen{0, 0, 640, 480}, drawn{192, 232, 448, 248};
 constexpr int map_side = 512;
 
 struct named_plane { const char* name; sim::matrix m; };
-// The bench's, and what has a way of its own: W constant, and no turn besides.
+// The bench's floor with its horizon at y.
+constexpr sim::matrix horizon_at(double y) {
+  sim::matrix m = sim::horizon_plane;
+  m[8] = -m[7] * y;
+  return m;
+}
+// The bench's, and what has a way of its own: W constant, and no turn besides; a horizon just above what is drawn, of which the upper row is drawn pixel by pixel then.
 constexpr named_plane planes[] = {{"facing", sim::facing_plane}, {"tilted", sim::tilted_plane}, {"grazing", sim::grazing_plane}, {"close", sim::close_plane}, {"far", sim::far_plane},
                                   {"turned", {0.8, -0.3, 100, 0.3, 0.8, 20, 0, 0, 1}}, {"scaled", {0.73, 0, 11.3, 0, 0.61, 5.7, 0, 0, 1}},
-                                  {"horizon", {0.320643884, -0.00998412842, 2.00574385, -0.11670483, -0.0274311674, 324.764068, 0, 0.00111220652, -0.250913791}}};  // just above what is drawn: the upper row is drawn pixel by pixel
+                                  {"horizon", horizon_at(225.6)}};
 
 struct named_filter { const char* name; filter kind; };
 constexpr named_filter filters[] = {{"nearest", filter::nearest}, {"bilinear", filter::bilinear}, {"mip-bilinear", filter::mip_bilinear}, {"trilinear", filter::trilinear}, {"aniso", filter::aniso}};

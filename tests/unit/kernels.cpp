@@ -38,8 +38,11 @@ SPANTEX_CASE(other_filters_are_refused) {
   engine_type engine;
   renderer_type rest(engine, prof{}, by_kernel.frame());
   draw_counters counts;
-  for (const filter kind : {filter::three_point, filter::trilinear3, filter::squares, filter::step, filter::hat, filter::contour})
-    assert_int_equal(kernels::draw_plane(kernels::kernel_of(kernels::choice::words), map.rows, rest, sample_plane(0), map.view, kind, {0, 0, 64, 64}, by_kernel.frame(), counts), status::out_of_range);
+  const kernels::row_kernel words = kernels::kernel_of(kernels::choice::words);
+  for (const filter kind : {filter::three_point, filter::trilinear3, filter::squares, filter::step, filter::hat, filter::contour}) {
+    assert_int_equal(kernels::draw_plane(words, map.rows, rest, sample_plane(0), map.view, kind, {0, 0, 64, 64}, by_kernel.frame(), counts), status::out_of_range);
+    assert_int_equal(kernels::draw_polygon(words, kernels::words_cover(), map.rows, rest, polygon{}, map.view, kind, {0, 0, 64, 64}, depth_buffer{}, by_kernel.frame(), counts), status::out_of_range);
+  }
 }
 
 SPANTEX_CASE(ordinary_planes_are_drawn_by_the_kernel_alone) { draw_ordinary_planes(colour_space::coded); }

@@ -85,9 +85,6 @@ SPANTEX_CASE(planes_are_written_out_as_the_engine_does) {
   });
 }
 
-// A kernel that draws nothing.
-void leaving_kernel(const kernels::row_work& work) { for (int k = 0; k < work.count; ++k) work.left[k] = work.masks[k] != 0; }
-
 SPANTEX_CASE(polygons_are_written_out_as_the_engine_does) {
   const rgba8 corners[3] = {{255, 0, 90, 255}, {0, 200, 255, 128}, {30, 255, 0, 0}};
   int varied = 0;
@@ -108,7 +105,7 @@ SPANTEX_CASE(polygons_are_written_out_as_the_engine_does) {
               [&](const named_kernel& k, shaded_renderer& rest, depths& d, draw_counters& counts) {
                 int n = 0;
                 with_colours([&](const polygon& p, const shading& how) {
-                  return kernels::draw_polygon(leaves && n++ % 2 == 0 ? leaving_kernel : kernels::kernel_of(k.which), kernels::cover_of(k.which), map.of(k.which), rest, p, map.view, kind, p.box,
+                  return kernels::draw_polygon(leaves && n++ % 2 == 0 ? kernels::leave_to_pixels : kernels::kernel_of(k.which), kernels::cover_of(k.which), map.of(k.which), rest, p, map.view, kind, p.box,
                                                d.buffer(), within(by_kernel), counts, how);
                 });
               });
