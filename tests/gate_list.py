@@ -391,6 +391,7 @@ GATES = [
     ("means' ties to odd", F + "filter.hpp", "rest + (whole & 1) > weight - rest", "rest + (~whole & 1) > weight - rest", "footprint", "a_mean_is*", REFERENCES),
     ("means of a footprint biased", F + "filter.hpp", "rest + (whole & 1) > weight - rest", "rest + weight / 16 > weight - rest", "footprint_properties", "pixels_are*", []),
     ("footprints out of range half as wide", F + "area.hpp", "int32_t(1) << (10 + c.exponent)", "int32_t(1) << (9 + c.exponent)", "footprint_properties", "footprints_at*", []),
+    ("footprints about a pixel without slopes", F + "plan.hpp", "uses_area(s.kind) ? slopes::wanted : slopes::left_out", "slopes::left_out", "plan", "*", []),
     ("footprints at the horizon clipped along one axis", F + "area.hpp", "clipped.a_u = halved(r.a_u);", "clipped.a_u = r.a_u;", "footprint_properties", "footprints_at*", []),
     ("a sample left out", F + "datapath.hpp", "k < min_of(c.axis.last_sample, f.samples); ++k)", "k < min_of(c.axis.last_sample, max_of(1, f.samples - 1)); ++k)",
      "footprint_properties", "pixels_are*", []),
