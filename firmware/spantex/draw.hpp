@@ -56,7 +56,6 @@ template <span_engine Engine, class Prof, class Shading = opaque_only, class Rea
 class renderer {
  public:
   using shading_type = Shading;
-  using shading_job = typename Shading::job;
 
   // The frame must outlive the renderer.
   constexpr renderer(Engine& engine, const Prof& prof, const frame_buffer& frame, const Skips& skips = {}, const Reads& reads = {})
@@ -111,8 +110,8 @@ class renderer {
   }
 
   // One span of a plane or polygon, in whatever order the caller likes; what it is hidden by is the caller's to know.
-  constexpr status draw_span(const surface& s, int32_t sx, int32_t sy, span_mask covered, const shading_job& shade = {}) {
-    shade_ = shade;
+  constexpr status draw_span(const surface& s, int32_t sx, int32_t sy, span_mask covered) {
+    shade_ = {};
     return plan(s, sx, sy, covered);
   }
 

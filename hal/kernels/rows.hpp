@@ -91,12 +91,12 @@ status draw_rows_to(row_kernel kernel, const planar_map& texels, const profile& 
   return status::ok;
 }
 
-template <class Renderer, class Cover>
-status draw_rows(row_kernel kernel, const planar_map& texels, const Renderer& scalar, const surface& s, rectangle area, const frame_buffer& frame, draw_counters& counts, Cover cover,
-                 [[maybe_unused]] const typename Renderer::shading_job& shade) {
-  if constexpr (Renderer::shading_type::enabled)
-    if (!stores_as_computed(shade)) return draw_rows_to(kernel, texels, scalar.numbers(), s, area, frame, counts, cover, row_write_out(shade, frame));
-  return draw_rows_to(kernel, texels, scalar.numbers(), s, area, frame, counts, cover, in_place{});
+template <class Shading, class Cover>
+status draw_rows(row_kernel kernel, const planar_map& texels, const profile& numbers, const surface& s, rectangle area, const frame_buffer& frame, draw_counters& counts, Cover cover,
+                 [[maybe_unused]] const typename Shading::job& shade) {
+  if constexpr (Shading::enabled)
+    if (!stores_as_computed(shade)) return draw_rows_to(kernel, texels, numbers, s, area, frame, counts, cover, row_write_out(shade, frame));
+  return draw_rows_to(kernel, texels, numbers, s, area, frame, counts, cover, in_place{});
 }
 
 }  // namespace detail
@@ -139,7 +139,7 @@ status draw_plane(row_kernel kernel, const planar_map& texels, const Renderer& s
   };
   auto shade = how.of(p);
   if (texels.opaque()) shade.without_alpha();
-  return detail::draw_rows(kernel, texels, scalar, surface{&p, &t, kind}, area, frame, counts, cover, shade);
+  return detail::draw_rows<typename Renderer::shading_type>(kernel, texels, scalar.numbers(), surface{&p, &t, kind}, area, frame, counts, cover, shade);
 }
 
 // lay_depths() (visibility.hpp) of the part of a polygon inside `area`, by vectors.
@@ -174,7 +174,7 @@ status draw_polygon(row_kernel kernel, row_cover visible, const planar_map& texe
     for (int k = 0; keeps && k < masked.span_count(); ++k) leaves[k] = scalar.keeps(masked.first_span() + k, sy);
     visible(masked, sy, keeps ? leaves : nullptr, out, counts);
   };
-  return detail::draw_rows(kernel, texels, scalar, surface{&p.map, &t, kind}, area, frame, counts, cover, shade);
+  return detail::draw_rows<typename Renderer::shading_type>(kernel, texels, scalar.numbers(), surface{&p.map, &t, kind}, area, frame, counts, cover, shade);
 }
 
 }  // namespace spantex::kernels
