@@ -422,6 +422,7 @@ GATES = [
     ("uniform sections loaded all the same", F + "draw.hpp", "if (skips_.on(one_texel ? skip::one_texel : skip::uniform) &&", "if (skips_.on(skip::one_texel) && one_texel &&", "skips", "texels_that*", []),
     ("spans kept though an edge is another", "sim/unchanged.cpp", "a.shape == b.shape && ", "", "unchanged", "each_coefficient*", OBJECT_SPACE),
     ("spans kept though the map has other texels", "sim/unchanged.cpp", "(a.serial() == b.serial() || same_texels(a, b))", "true", "unchanged", "maps_count*", OBJECT_SPACE),
+    ("spans kept counted as behind the viewer", "hal/kernels/rows.hpp", "if (out.mask[k] == 0) return true;  // kept", "", "unchanged", "a_still*", OBJECT_SPACE),
     ("spans kept though texels in place are others", "sim/unchanged.cpp", "a.serial() == serials_[before] && ", "", "unchanged", "maps_count*", OBJECT_SPACE),
     ("spans kept though the background is another", "sim/unchanged.cpp", "a.background == b.background;", "true;", "unchanged", "write_out*", OBJECT_SPACE),
     ("spans kept though they are blended now", "sim/unchanged.cpp", "a.how.alpha == b.how.alpha && ", "", "unchanged", "write_out*", OBJECT_SPACE),

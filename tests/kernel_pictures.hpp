@@ -38,9 +38,10 @@ uint64_t span_count(rectangle r) { return uint64_t((r.x1 - 1) / span_side - r.x0
 struct ready_map {
   texture_view view;
   kernels::planar_map blocks, rows;  // rows: with planes for whom they are for
-  ready_map(const synthetic_map& map, wrap w, colour_space colours = colour_space::coded) : view(view_of(map, w, colours)), blocks(view, kernels::layout::rows_and_blocks), rows(view, kernels::layout::rows_and_planes) {}
-  static texture_view view_of(const synthetic_map& map, wrap w, colour_space colours) {
-    texture_view t = map.view(w, w);
+  ready_map(const synthetic_map& map, wrap w, colour_space colours = colour_space::coded) : ready_map(map, w, w, colours) {}
+  ready_map(const synthetic_map& map, wrap across, wrap down, colour_space colours) : view(view_of(map, across, down, colours)), blocks(view, kernels::layout::rows_and_blocks), rows(view, kernels::layout::rows_and_planes) {}
+  static texture_view view_of(const synthetic_map& map, wrap across, wrap down, colour_space colours) {
+    texture_view t = map.view(across, down);
     t.set_colours(colours);
     return t;
   }
@@ -65,6 +66,8 @@ void draw_all_by(const Prof& numbers, const plane& p, const ready_map& map, filt
     draw_counters counts;
     SPANTEX_ASSERT_OK(kernels::draw_plane(kernels::kernel_of(k.which), map.of(k.which), rest, p, map.view, kind, area, by_kernel.frame(), counts));
     assert_int_equal(counts.pixels, r.counters().pixels);
+    assert_int_equal(counts.spans_total, r.counters().spans_total);
+    assert_int_equal(counts.spans_behind, r.counters().spans_behind);
     if (by_kernel.pixels != by_scalar.pixels) fail_msg("%s, filter %d: not the engine's bytes", k.name, int(kind));
     if (k.which != kernels::choice::pixels) assert_true(span_count(area) - counts.jobs <= most_left);
   }

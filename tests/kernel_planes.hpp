@@ -60,11 +60,47 @@ inline void draw_planes_to_the_horizon(colour_space colours) {
       const ready_map map(random_map(side[0], side[1]), w, colours);
       for (int k = 0; k < (short_run() ? 4 : 24); ++k) {
         const double turn = double(random.between(0, 6283)) / 1000, far = k % 4 == 0 ? 32000 : k % 4 == 1 ? 9000 : 700, closeness = k % 3 == 0 ? 0.0004 : 0.01;
-        const double horizon_x = double(random.between(10, 190)), horizon_y = double(random.between(10, 90)), g = closeness * cos(turn), h = closeness * sin(turn);
+        const double horizon_x = double(random.between(10, 190)), horizon_y = double(random.between(10, 90)), g = k % 5 == 2 ? 0 : closeness * cos(turn), h = closeness * sin(turn);  // level, now and then
         const double m[9] = {0.7 * cos(turn + 1), 0.4, far * (k % 2 == 0 ? 1 : -0.3), -0.2, 0.9 * sin(turn + 2), 0.01 * far, g, h, -g * horizon_x - h * horizon_y};
         plane p{};
         SPANTEX_ASSERT_OK(make_plane(homography_of(m), area, p));
         for (const filter kind : filters) draw_all(p, map, kind, area, 203, 101);
+      }
+    }
+}
+
+// With all bits of the numbers: the largest has 100.
+inline homography exact_homography_of(const double (&m)[9]) {
+  const auto log2_of = [](double x) {
+    int log2 = 0;
+    frexp(x, &log2);
+    return log2;
+  };
+  int largest = log2_of(m[0]);
+  for (const double x : m) largest = max_of(largest, log2_of(x));
+  const auto w = [&](int k) { return scale_down(wide(int64_t(ldexp(m[k], 53 - log2_of(m[k])))), largest - log2_of(m[k]) + 53 - 100); };
+  return {w(0), w(1), w(2), w(3), w(4), w(5), w(6), w(7), w(8)};
+}
+
+// Pixels about their own centres, of planes with a hundred bits: far away set-up's rounding shows, and in the same row of pixels does not; positions next to 2^15 and beyond; a horizon through
+// pixels' centres, where W is 0 but for rounding.
+inline void draw_pixels_about_their_centres(colour_space colours) {
+  static constexpr int32_t sides[][2] = {{512, 512}, {500, 375}, {4096, 24}};
+  constexpr rectangle area{0, 0, 203, 101};
+  const auto few_bits = [](double x) { return double(int64_t(x * 0x1p50)) * 0x1p-50; };
+  random_source random(47);
+  for (const auto& side : sides)
+    for (const wrap w : wraps) {
+      const ready_map map(random_map(side[0], side[1]), w, w == wrap::clamp ? wrap::repeat : w == wrap::mirror ? wrap::clamp : w, colours);
+      for (int k = 0; k < 24; ++k) {
+        const bool is_level = k % 3 != 0;
+        const double g = is_level ? 0 : few_bits(0.013 * double(random.between(-9, 9)) / 7), h = few_bits(0.011 * double(random.between(3, 11)) / 7 * (k % 2 == 0 ? 1 : -1));
+        const int32_t x = int32_t(random.between(20, 180)), y = int32_t(random.between(20, 80));
+        const double through = k % 4 == 3 ? 0.37 : 0.5, far = k % 5 == 0 ? 900 : k % 5 == 1 ? 90 : 7;
+        const double m[9] = {0.61 * far / 9, 0.23 / 7, -0.61 * far / 9 * x, -0.17, 0.43 / 3, far * 11 / 3., g, h, -g * (x + 0.5) - h * (y + through)};
+        plane p{};
+        SPANTEX_ASSERT_OK(make_plane(exact_homography_of(m), area, p));
+        for (const filter kind : {filter::nearest, filter::bilinear}) draw_all(p, map, kind, area, 203, 101);
       }
     }
 }

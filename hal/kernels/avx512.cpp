@@ -44,10 +44,19 @@ void draw_row_of_nearest(const row_work& work) {
   }
 }
 
+// Rows that are drawn sooner from the map's rows: local memory holds little of them.
+bool are_beyond(const row_work& work) {
+  for (const int k : {0, work.count / 2, work.count - 1})
+    if (!beyond_sections(work, k, unknown::beyond)) return false;
+  return true;
+}
+
 template <filter Kind, bool Gathers>
 void draw_row_by_blocks(const row_work& work, plans_of_left<Kind>& left) {
   if constexpr (Kind == filter::nearest) {
-    if (!draw_affine_row<Gathers>(work)) draw_row_of_nearest<Gathers>(work);
+    if (draw_affine_row<Gathers>(work)) return;
+    if (!are_beyond(work)) return draw_row_of_nearest<Gathers>(work);
+    for (int k = 0; k < work.count; ++k) work.left[k] = work.masks[k] != 0;
   } else if (work.texels->opaque()) {
     draw_batches<Kind, texel_kind{3, colours_as::codes}>(work, left);
   } else {
@@ -57,11 +66,13 @@ void draw_row_by_blocks(const row_work& work, plans_of_left<Kind>& left) {
 
 template <filter Kind, bool Gathers>
 void draw_row(const row_work& work) {
+  const row_reader reader = Gathers ? gathering_reader() : loading_reader();
+  if (work.by_pixel) return reader.any_row(work);
   if constexpr (!uses_footprint(Kind))
     if (work.upright != nullptr) return draw_upright<Kind>(work);
   plans_of_left<Kind> left;
   draw_row_by_blocks<Kind, Gathers>(work, left);
-  draw_left<Kind>(work, left, Gathers ? gathering_reader() : loading_reader());
+  draw_left<Kind>(work, left, reader);
 }
 
 template <bool Gathers>

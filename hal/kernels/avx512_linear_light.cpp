@@ -10,6 +10,7 @@ namespace {
 
 template <filter Kind>
 void draw_row(const row_work& work) {
+  if (work.by_pixel) return linear_light_reader().any_row(work);
   constexpr colours_as light = uses_footprint(Kind) ? colours_as::samples_in_light : colours_as::light;
   plans_of_left<Kind> left;
   if (work.texels->opaque()) draw_batches<Kind, texel_kind{3, light}>(work, left);

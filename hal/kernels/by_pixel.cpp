@@ -131,19 +131,15 @@ class span_gradients {
     return on_one_scale({{row.value[0], column.value[1], row.value[2], column.value[3]}, {row.dropped[0], column.dropped[1], row.dropped[2], column.dropped[3]}});
   }
 
-  // No pixel's level of detail (unbiased_level(), s.16) is below this: the largest W, and the shorter of rows' and columns' shortest, of which the longer counts. A 64th is for cuts and log2.
+  // No pixel's level of detail (unbiased_level(), s.16) is below this: by the largest W, and bounds of rows' and of columns' lengths, of which the longer counts. A 64th is for cuts and log2.
   int32_t least_level() {
-    int32_t row = INT32_MAX, column = INT32_MAX;
+    constexpr int last = span_side - 1;
     int64_t w = 1;
-    for (int k = 0; k < span_side; ++k) {
-      row = min_of(row, length_log2(of_row(k)));
-      column = min_of(column, length_log2(of_column(k)));
-    }
     for (const int corner : {0, 1, 2, 3}) {
-      const int64_t there = plane_.w_at(cx_ + half_pixels(corner & 1 ? span_side - 1 : 0), cy_ + half_pixels(corner & 2 ? span_side - 1 : 0));
+      const int64_t there = plane_.w_at(cx_ + half_pixels(corner & 1 ? last : 0), cy_ + half_pixels(corner & 2 ? last : 0));
       w = there > w ? there : w;
     }
-    return max_of(row, column) + (1 << 16) - 2 * log2_16(uint64_t(w)) - (1 << 10);
+    return max_of(shortest_log2(of_row(0), of_row(last), 0), shortest_log2(of_column(0), of_column(last), 1)) + (1 << 16) - 2 * log2_16(uint64_t(w)) - (1 << 10);
   }
 
  private:
@@ -164,10 +160,12 @@ class span_gradients {
     }
     return to.g;
   }
-  // What is not of the line is 0.
-  static int32_t length_log2(const cut_gradients& g) {
-    const gradient_logs logs = gradient_logs_of(on_one_scale(g));
-    return max_of(logs.x, logs.y);
+  // Of lines between two, at least: what is linear between numbers of one sign is no smaller than the smaller of them.
+  static int32_t shortest_log2(const cut_gradients& first, const cut_gradients& last, int by_y) {
+    const int u = by_y, v = 2 + by_y;
+    const scaled_gradients ends = on_one_scale({{first.value[u], last.value[u], first.value[v], last.value[v]}, {first.dropped[u], last.dropped[u], first.dropped[v], last.dropped[v]}});
+    const auto least = [](int32_t a, int32_t b) { return (a ^ b) < 0 ? 0 : min_of(a < 0 ? -a : a, b < 0 ? -b : b); };
+    return gradient_logs_of({least(ends.ux, ends.uy), 0, least(ends.vx, ends.vy), 0, ends.drop}).x;
   }
 
   const plane& plane_;

@@ -53,6 +53,7 @@ struct row_work {
   bool* left;              // count of them, false: the kernel sets those of spans that it did not draw
   int32_t most_ratio = 4 << 16;    // log2_16(max_samples): of the axes of rows of samples (aniso)
   row_memory* memory = nullptr;    // of all rows that are drawn of the plane, one after another
+  bool by_pixel = false;           // of spans that were left, masks are of pixels in front of the viewer and `left` is set: the kernel draws those that it can pixel by pixel, and clears theirs
   upright_row* upright = nullptr;  // what is known of the whole row (upright.hpp): then the kernel draws all of them and sets none of `left`
 };
 

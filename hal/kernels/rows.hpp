@@ -31,26 +31,39 @@ struct of_all_rows {
   of_all_rows(const surface& s, const planar_map& texels, rectangle area) : everywhere(shortcut_of(s, texels, area)), upright(s, area) {}
 };
 
-// What is left of a row of spans, pixel by pixel. None of it is the kernel's job.
+// What is left of a row of spans, pixel by pixel: by the kernel, what it can, and else by the specification's own functions. None of it counts as the kernel's job.
 template <class Out>
-void draw_left(const row_work& row, const surface& s, const profile& numbers, draw_counters& counts, Out&& out) {
+void draw_left(row_kernel kernel, const row_work& row, const surface& s, const profile& numbers, draw_counters& counts, Out&& out) {
   bool* const end = row.left + row.count;
-  for (bool* at = row.left; (at = next_left(at, end)) != nullptr; ++at) {
-    *at = false;
-    const int k = int(at - row.left);
-    const span_mask in_front = row.masks[k] & front_mask(*s.map, row.sx + k, row.sy);
+  bool* at = next_left(row.left, end);
+  if (at == nullptr) return;
+  span_mask in_front[max_row_spans];
+  row_work rest = row;
+  rest.by_pixel = true;
+  rest.sx += int32_t(at - row.left);
+  rest.masks = in_front;
+  rest.left = at;
+  for (rest.count = 0; at != end; ++at, ++rest.count) {
+    const span_mask wanted = *at ? row.masks[at - row.left] : 0;
+    in_front[rest.count] = wanted == 0 ? 0 : wanted & front_mask(*s.map, rest.sx + rest.count, row.sy);
+    if (wanted == 0) continue;
     --counts.jobs;
-    counts.pixels -= uint64_t(__builtin_popcountll(row.masks[k] & ~in_front));
-    if (in_front == 0) {
-      ++counts.spans_behind;
-      continue;
-    }
-    row_work one = row;
-    one.sx += k;
+    counts.pixels -= uint64_t(__builtin_popcountll(wanted & ~in_front[rest.count]));
+    if (in_front[rest.count] != 0) continue;
+    ++counts.spans_behind;
+    *at = false;
+  }
+  if (next_left(rest.left, end) == nullptr) return;
+  kernel(rest);
+  out.write(rest, counts);
+  for (at = rest.left; (at = next_left(at, end)) != nullptr; ++at) {
+    *at = false;
+    row_work one = rest;
+    one.sx += int32_t(at - rest.left);
     one.count = 1;
-    one.masks = &in_front;
+    one.masks += at - rest.left;
     one.left = at;
-    draw_by_pixel(s, *row.texels, numbers, one.sx, one.sy, in_front, one.pixels, one.stride);
+    draw_by_pixel(s, *row.texels, numbers, one.sx, one.sy, *one.masks, one.pixels, one.stride);
     out.write(one, counts);
   }
 }
@@ -86,7 +99,7 @@ status draw_rows_to(row_kernel kernel, const planar_map& texels, const profile& 
     if (all && !in_linear_light(texels, s.kind)) work.upright = all->upright.row(sy);
     kernel(work);
     out.write(work, counts);
-    draw_left(work, s, numbers, counts, out);
+    draw_left(kernel, work, s, numbers, counts, out);
   }
   return status::ok;
 }
@@ -113,7 +126,7 @@ status draw_plane(row_kernel kernel, const planar_map& texels, const Renderer& s
   const int32_t first = first_span(area);
   const int count = span_count(area);
   span_mask filled = 0;  // what the row before has in all spans but the ends; 0 where some are kept
-  const auto cover = [&](int32_t sy, row_masks& out) {
+  const auto cover_all = [&](int32_t sy, row_masks& out) {
     const int32_t y0 = max_of(area.y0, sy * span_side), y1 = min_of(area.y1, (sy + 1) * span_side);
     counts.spans_total += uint64_t(count);
     counts.jobs += uint64_t(count);
@@ -136,6 +149,21 @@ status draw_plane(row_kernel kernel, const planar_map& texels, const Renderer& s
       counts.pixels -= uint64_t(__builtin_popcountll(out.mask[k]));
       out.mask[k] = 0;
     }
+  };
+  // And leaves out those behind the viewer at the row's ends: W is linear, and largest at one of a span's corners.
+  const auto cover = [&](int32_t sy, row_masks& out) {
+    cover_all(sy, out);
+    const int32_t hx = 2 * span_side * first + (p.w.x > 0 ? 2 * span_side - 1 : 1), hy = 2 * span_side * sy + (p.w.y > 0 ? 2 * span_side - 1 : 1);
+    const auto is_behind = [&](int k) {
+      if (p.w_at(hx + 2 * span_side * k, hy) > 0) return false;
+      if (out.mask[k] == 0) return true;  // kept
+      --counts.jobs;
+      ++counts.spans_behind;
+      counts.pixels -= uint64_t(__builtin_popcountll(out.mask[k]));
+      return true;
+    };
+    while (out.from < out.to && is_behind(out.from)) ++out.from;
+    while (out.from < out.to && is_behind(out.to - 1)) --out.to;
   };
   auto shade = how.of(p);
   if (texels.opaque()) shade.without_alpha();

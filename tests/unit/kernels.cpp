@@ -124,6 +124,7 @@ SPANTEX_CASE(turned_planes_by_nearest) {
 
 SPANTEX_CASE(walls_to_the_side) { draw_walls_to_the_side(colour_space::coded); }
 
+SPANTEX_CASE(pixels_about_their_centres) { draw_pixels_about_their_centres(colour_space::coded); }
 SPANTEX_CASE(planes_to_the_horizon) { draw_planes_to_the_horizon(colour_space::coded); }
 
 SPANTEX_CASE(other_numbers) { draw_by_other_numbers(colour_space::coded); }
@@ -369,6 +370,7 @@ int main() {
       cmocka_unit_test(turned_planes_by_nearest),
       cmocka_unit_test(walls_to_the_side),
       cmocka_unit_test(planes_to_the_horizon),
+      cmocka_unit_test(pixels_about_their_centres),
       cmocka_unit_test(other_numbers),
       cmocka_unit_test(floors_and_walls),
       cmocka_unit_test(sheared_and_magnified_planes),

@@ -115,6 +115,7 @@ SPANTEX_CASE(planes_that_face_the_viewer) {
 SPANTEX_CASE(minified_planes) { draw_minified_planes(colour_space::srgb); }
 SPANTEX_CASE(turned_planes_between_levels) { draw_turned_planes_between_levels(colour_space::srgb); }
 SPANTEX_CASE(walls_to_the_side) { draw_walls_to_the_side(colour_space::srgb); }
+SPANTEX_CASE(pixels_about_their_centres) { draw_pixels_about_their_centres(colour_space::srgb); }
 SPANTEX_CASE(planes_to_the_horizon) { draw_planes_to_the_horizon(colour_space::srgb); }
 
 SPANTEX_CASE(other_numbers) { draw_by_other_numbers(colour_space::srgb); }
@@ -146,6 +147,7 @@ int main() {
       cmocka_unit_test(turned_planes_between_levels),
       cmocka_unit_test(walls_to_the_side),
       cmocka_unit_test(planes_to_the_horizon),
+      cmocka_unit_test(pixels_about_their_centres),
       cmocka_unit_test(other_numbers),
       cmocka_unit_test(floors_and_walls),
       cmocka_unit_test(sheared_and_magnified_planes),

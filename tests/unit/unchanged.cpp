@@ -6,6 +6,7 @@
 #include <sim/draw_host.hpp>
 #include <sim/figures.hpp>
 #include <sim/pattern.hpp>
+#include <sim/planes.hpp>
 #include <sim/unchanged.hpp>
 #include <sim/world.hpp>
 #include <tests/support.hpp>
@@ -133,10 +134,18 @@ SPANTEX_CASE(a_still_frame_costs_nothing) {
       assert_int_equal(f.shown.machine.fetches, 0);
       assert_int_equal(f.shown.machine.total_cycles, 0);
     }
-    f = {};
-    for (int k = 0; k < 2; ++k) {  // a plane has no depth
-      f.show(make_named_scene("tilted", request()), options_of(filter::bilinear, engine));
-      assert_int_equal(f.shown.spans_unchanged, k == 0 ? 0 : columns * rows);
+    // A plane has no depth; spans behind the viewer are kept too.
+    const auto maps = make_maps();
+    for (const matrix& m : {tilted_plane, horizon_plane}) {
+      f = {};
+      for (int k = 0; k < 2; ++k) {
+        scene s = empty_scene(maps);
+        add_plane(s, stretched(m, size), 0);
+        f.show(s, options_of(filter::bilinear, engine));
+        assert_int_equal(f.shown.spans_unchanged, k == 0 ? 0 : columns * rows);
+        if (k == 0) continue;
+        for (const uint64_t count : {f.shown.work.spans_total, f.shown.work.jobs, f.shown.work.pixels, f.shown.work.spans_behind}) assert_int_equal(count, 0);
+      }
     }
   }
 }

@@ -33,6 +33,7 @@ constexpr int width = 16;
 #include "../vectors/levels.hpp"
 #include "../vectors/plan_lanes.hpp"
 #include "../vectors/positions.hpp"
+#include "../vectors/pixel_positions.hpp"
 #include "../vectors/move_texels.hpp"
 #if SPANTEX_LINEAR
 #include "../vectors/linear_rows.hpp"

@@ -23,6 +23,12 @@ SPANTEX_INLINE bool all_equal(v a, int32_t b) { return _mm512_cmpneq_epi32_mask(
 SPANTEX_INLINE v_s64 size_of(v_s64 x) { return v_s64(_mm512_abs_epi64(raw(x))); }
 SPANTEX_INLINE v_64 rounded_shift(v_64 x, v_64 shift) { return (x + ((v_64{} + 1) << (shift - 1))) >> shift; }
 SPANTEX_INLINE v_s64 bit_lengths(v_s64 x) { return 64 - v_s64(_mm512_lzcnt_epi64(raw(x))); }
+SPANTEX_INLINE uint32_t signs_of(v_s64 x) { return _mm512_movepi64_mask(raw(x)); }
+// The lower half of 128-bit numbers shifted down by as many bits, 0 to 127. What is shifted by more than a lane has is 0.
+SPANTEX_INLINE v_64 low_after(v_64 low, v_64 high, v_64 n) {
+  const raw up = _mm512_sllv_epi64(raw(high), raw(64 - n)), down = _mm512_srlv_epi64(raw(high), raw(n - 64));
+  return v_64(_mm512_ternarylogic_epi64(_mm512_srlv_epi64(raw(low), raw(n)), up, down, 0xFE));
+}
 
 // The lower halves of one's 64-bit lanes and the upper halves of the other's.
 SPANTEX_INLINE v lower_and_upper(v_64 lower, v_64 upper) { return v(_mm512_mask_mov_epi32(raw(lower), 0xAAAA, raw(upper))); }

@@ -62,8 +62,42 @@ void draw_row(const row_work& row) {
   finish(work);
 }
 
+#if SPANTEX_PIXEL_POSITIONS
+// Spans next to the horizon, of filters without levels.
+template <filter Kind, bool MasksOnly>
+[[gnu::noinline]] void draw_by_pixel(const row_work& row) {
+  const row_in_hand work{row};
+  const pixel_positions<MasksOnly> pixels(work);
+  span_positions p{};
+  for (int k = 0; k < work.count; ++k) {
+    const span_mask mask = work.masks[k];
+    if (mask == 0 || !pixels.are_wanted(k)) continue;
+    pixels.find(k, mask, p);
+    if constexpr (Kind == filter::nearest) {
+      const row_levels& map = work.texels->levels_in_rows();
+      alignas(sizeof(v)) int32_t places[span_pixel_count];
+      find_places<MasksOnly>(map, p, places);
+      write_texels(work, work.sx + k, mask, map.texels(), places);
+    } else {
+      draw_bilinear_at<MasksOnly>(work, work.sx + k, mask, p);
+    }
+    work.left[k] = false;
+  }
+  finish(work);
+}
+template <filter Kind>
+void draw_by_pixel(const row_work& work) {
+  if constexpr (uses_levels(Kind)) return;
+  else work.texels->levels_in_rows().masks_only() ? draw_by_pixel<Kind, true>(work) : draw_by_pixel<Kind, false>(work);
+}
+#else
+template <filter Kind>
+void draw_by_pixel(const row_work&) {}
+#endif
+
 template <filter Kind>
 void draw_row(const row_work& work) {
+  if (work.by_pixel) return draw_by_pixel<Kind>(work);
 #if !SPANTEX_LINEAR
   if constexpr (!uses_footprint(Kind) && rows_at_once == 1)  // AVX-512 has its own
     if (work.upright != nullptr) return draw_upright<Kind>(work);

@@ -13,7 +13,7 @@ struct wide { v_64 first, second; };  // 64 bits a lane, in the order that the m
 
 // A span's pixels in memory: neighbours of a row, as many as there are lanes, below them those of the next row; after the last row the next part of all rows. More lanes
 // than a row has pixels are two rows.
-constexpr int lanes_across = min_of(width, span_side), parts = span_side / lanes_across, rows_at_once = width / lanes_across;
+constexpr int lanes_across = min_of(width, span_side), parts = span_side / lanes_across, rows_at_once = width / lanes_across, groups = span_pixel_count / width;
 constexpr int place_of(int y, int part) { return lanes_across * (span_side * part + y); }
 
 SPANTEX_INLINE v set(int32_t x) { return v{} + x; }
@@ -91,6 +91,12 @@ SPANTEX_INLINE v least16_unsigned(v a, v b) { return v(v_unsigned(a) < v_unsigne
 SPANTEX_INLINE v half_pixels_across() {
   v x{};
   for (int k = 0; k < width; ++k) x[k] = half_pixels(k % lanes_across);
+  return x;
+}
+// Of rows, as many as there are lanes, from the k-th on.
+SPANTEX_INLINE v half_pixels_of(int k) {
+  v x{};
+  for (int n = 0; n < width; ++n) x[n] = half_pixels((k + n) % span_side);
   return x;
 }
 // From the first row that the lanes are.

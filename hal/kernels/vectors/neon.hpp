@@ -46,6 +46,11 @@ SPANTEX_INLINE v_s64 bit_lengths(v_s64 x) {  // leading zeros of the upper half 
   const uint64x2_t of_lower = vandq_u64(uint64x2_t(zeros), vshrq_n_u64(uint64x2_t(vceqq_u32(zeros, vdupq_n_u32(32))), 32));
   return 64 - v_s64(vsraq_n_u64(of_lower, uint64x2_t(zeros), 32));
 }
+SPANTEX_INLINE uint32_t signs_of(v_s64 x) { return uint32_t(x[0] < 0) | uint32_t(x[1] < 0) << 1; }
+// The lower half of 128-bit numbers shifted down by as many bits, 0 to 127. What is shifted by more than a lane has is 0; by fewer bits than none, the other way.
+SPANTEX_INLINE v_64 low_after(v_64 low, v_64 high, v_64 n) {
+  return v_64(vorrq_u64(vshlq_u64(uint64x2_t(low), -int64x2_t(n)), vshlq_u64(uint64x2_t(high), 64 - int64x2_t(n))));
+}
 
 // Of the even lanes.
 SPANTEX_INLINE v_64 wide_products(v_64 a, v_64 b) { return v_64(vmull_u32(vmovn_u64(uint64x2_t(a)), vmovn_u64(uint64x2_t(b)))); }

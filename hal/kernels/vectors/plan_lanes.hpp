@@ -9,18 +9,32 @@ static_assert(batch % (planned_at_once * wide_lanes) == 0);
 SPANTEX_INLINE v_s64 all(int64_t x) { return v_s64{} + x; }
 SPANTEX_INLINE v_s64 least(v_s64 a, v_s64 b) { return a < b ? a : b; }
 SPANTEX_INLINE v_s64 largest(v_s64 a, v_s64 b) { return a > b ? a : b; }
+SPANTEX_INLINE v_s64 signs(v_s64 x) { return x >> 63; }
 SPANTEX_INLINE v_s64 times_reach(v_s64 x) { return (x << 3) - x; }
 static_assert(reach == 7);
 
 // x times bases, modulo 2^64.
 SPANTEX_INLINE v_s64 times_bases(v_s64 x, v_s64 base) {
   const v_64 size = v_64(size_of(base));
-  return negated_where(v_s64(wide_products(v_64(x), size) + (wide_products(v_64(x) >> 32, size) << 32)), base < 0);
+  return negated_where(v_s64(wide_products(v_64(x), size) + (wide_products(v_64(x) >> 32, size) << 32)), signs(base));
 }
 
 // quotient(), the shift given: 63 + exponent - drop - scale.
 SPANTEX_INLINE v_s64 quotients(v_s64 n, v_s64 drop, v_64 y, v_s64 shift) {
-  return negated_where(v_s64(rounded_shift(wide_products(v_64(size_of(n)) >> v_64(drop), y), v_64(shift))), n < 0);
+  return negated_where(v_s64(rounded_shift(wide_products(v_64(size_of(n)) >> v_64(drop), y), v_64(shift))), signs(n));
+}
+
+// invert(), of numbers of so many bits: 2^63 / mantissa, u0.32.
+SPANTEX_INLINE v_64 inverses(v_s64 w, v_s64 bits) {
+  const v_64 mantissas = v_64(w) << v_64(64 - bits) >> 32;
+  return reciprocal_wide(mantissas, seeds_at(mantissas >> (31 - reciprocal_seed_bits) & ((1 << reciprocal_seed_bits) - 1)));
+}
+
+// whole_quotient(), where n, of so many bits, is not too large for it: false in `in`.
+SPANTEX_INLINE v_s64 whole_quotients(v_s64 n, v_s64 bits, v_s64 w_bits, v_64 y, v_s64& in) {
+  const v_s64 drop = largest(bits - 31, all(0));
+  in &= v_s64((v_64(size_of(n)) >> v_64(w_bits + 15)) == 0);
+  return quotients(n, drop, y, w_bits - 32 + 63 - drop);
 }
 
 // Plans the spans of a row of work, from the first on: see plan.hpp.
@@ -38,7 +52,10 @@ class planner {
     const uint64_t slope = uint64_t(reach) * (magnitude(p.w.x) + magnitude(p.w.y));
     slope_ = int64_t(slope);
     slope_drop_ = max_of(0, bit_length(slope) - 31);
-    if (slope == 0) invert(w_, w_bits_, y_);
+    if (slope == 0) {
+      w_bits_ = bit_lengths(w_);
+      y_ = inverses(w_, w_bits_);
+    }
   }
 
   // count: a multiple of wide_lanes, or no more follow.
@@ -60,11 +77,11 @@ class planner {
   template <bool Facing>
   SPANTEX_INLINE void plan(int count, span_coefficients* c, bool* usable) {
     for (int k = 0; k < count; k += planned_at_once * wide_lanes) {
-      group groups[planned_at_once];
+      group planned[planned_at_once];
       const int wanted = min_of(planned_at_once, (count - k + wide_lanes - 1) / wide_lanes);
       const auto each = [&](auto&& step) SPANTEX_INLINED {
 #pragma GCC unroll 2
-        for (int n = 0; n < wanted; ++n) step(groups[n], k + n * wide_lanes);
+        for (int n = 0; n < wanted; ++n) step(planned[n], k + n * wide_lanes);
       };
       each([&](group& g, int) SPANTEX_INLINED { begin<Facing>(g); });
       each([&](group& g, int) SPANTEX_INLINED { find_bases(g); });
@@ -89,27 +106,22 @@ class planner {
       s.w_bits = w_bits_;
       s.y = y_;
     } else {
-      invert(s.w, s.w_bits, s.y);
+      s.w_bits = bit_lengths(s.w);
+      s.y = inverses(s.w, s.w_bits);
     }
   }
 
   // W is constant, and so is what follows from it alone.
   SPANTEX_INLINE bool faces_the_viewer() const { return slope_ == 0; }
 
-  SPANTEX_INLINE static void invert(v_s64 w, v_s64& bits, v_64& y) {
-    bits = bit_lengths(w);
-    const v_64 mantissas = v_64(w) << v_64(64 - bits) >> 32;
-    y = reciprocal_wide(mantissas, seeds_at(mantissas >> (31 - reciprocal_seed_bits) & ((1 << reciprocal_seed_bits) - 1)));
-  }
-
   SPANTEX_INLINE static void find_bases(group& s) {
-    const auto whole_quotients = [&](v_s64 n) SPANTEX_INLINED {
-      const v_s64 bits = bit_lengths(size_of(n)), drop = largest(bits - 31, all(0)), r = quotients(n, drop, s.y, s.y_exponent() + 63 - drop);
-      s.in &= (bits <= s.w_bits + 15) & (size_of(r) <= largest_base(Kind));
+    const auto base = [&](v_s64 n) SPANTEX_INLINED {
+      const v_s64 r = whole_quotients(n, bit_lengths(size_of(n)), s.w_bits, s.y, s.in);
+      s.in &= size_of(r) <= largest_base(Kind);
       return r;
     };
-    s.base_u = whole_quotients(s.nu);
-    s.base_v = whole_quotients(s.nv);
+    s.base_u = base(s.nu);
+    s.base_v = base(s.nv);
   }
 
   // coordinates_within()
@@ -187,7 +199,7 @@ class planner {
 
   const plane& plane_;
   v_s64 w_, u_, v_;  // of the next spans' centres
-  v_s64 w_bits_{};   // where W is constant: invert()
+  v_s64 w_bits_{};   // where W is constant
   v_64 y_{};
   int64_t slope_;
   int slope_drop_;

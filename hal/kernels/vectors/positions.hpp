@@ -33,16 +33,20 @@ SPANTEX_INLINE void put_details(Number* to, v upper, v lower, int32_t most) {
   put(to + width, detail_of(lower, most));
 }
 
-// s5.10 of the coefficients, s.16, by rows.
-struct row_levels16 {
+// A number a row.
+struct row_numbers {
   alignas(sizeof(v)) int32_t row[max_of(width, span_side)];
-  SPANTEX_INLINE void read(const span_coefficients& c) {
-    for (int part = 0; part < parts; ++part) put(row + width * part, levels16(c.level_row + width * part));
-  }
   SPANTEX_INLINE v from(int y) const {  // of the rows from y on that the lanes are
     v x = set(row[y]);
     for (int k = lanes_across; k < width; ++k) x[k] = row[y + 1];
     return x;
+  }
+};
+
+// s5.10 of the coefficients, s.16, by rows.
+struct row_levels16 : row_numbers {
+  SPANTEX_INLINE void read(const span_coefficients& c) {
+    for (int part = 0; part < parts; ++part) put(row + width * part, levels16(c.level_row + width * part));
   }
 };
 
@@ -137,10 +141,14 @@ static_assert(q.offset_bits - 1 - max_extent_log2 - q.coordinate_bits + q.recipr
 [[gnu::noinline]] void divide_positions(const span_coefficients& c, span_positions& out) {
   out.rest = 0;
   const int shift = c.exponent - q.coordinate_bits + q.reciprocal_bits;
+  const bool w_by_rows = c.g == 0;
+  row_numbers of_rows;
+  if (w_by_rows)
+    for (int part = 0; part < parts; ++part) put(of_rows.row + width * part, reciprocals_of((1 << q.reciprocal_bits) + half_pixels_of(width * part) * c.h));
   for (int part = 0; part < parts; ++part) {
     form nu(c.c_u, c.a_u, c.b_u, part), nv(c.c_v, c.a_v, c.b_v, part), nw(1 << q.reciprocal_bits, c.g, c.h, part);
     for (int y = 0; y < span_side; y += rows_at_once) {
-      const v r = reciprocals_of(nw.at);
+      const v r = w_by_rows ? of_rows.from(y) : reciprocals_of(nw.at);
       const int at = place_of(y, part);
       put(out.u + at, divided(nu.at, r, shift));
       put(out.v + at, divided(nv.at, r, shift));

@@ -15,8 +15,12 @@ SPANTEX_INLINE v_64 newton(v_64 m, v_64 y) { return wide_products(y, -wide_produ
 
 // Seeds by the bits of m behind the first one.
 SPANTEX_INLINE v_64 seeds_at(v_64 index) {
+#if SPANTEX_AVX512
+  return v_64(look_up(wide_seeds.seed, v(index))) & 0xFFFFFFFF;
+#else
   for (size_t k = 0; k < sizeof index / sizeof index[0]; ++k) index[k] = uint32_t(wide_seeds.seed[index[k]]);
   return index;
+#endif
 }
 
 // reciprocal_wide()

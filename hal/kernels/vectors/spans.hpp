@@ -246,7 +246,7 @@ SPANTEX_INLINE void write_span(const row_work& work, int32_t sx, span_mask mask,
 
 // A span's texels by place(n) and pixels by at(n), for each of its groups of `width` pixels. Machines that place first find all places before they read
 // the first texel, so that reading does not wait for them; the others have memory for one group.
-constexpr int groups = span_pixel_count / width, placed_groups = places_first ? groups : 1;
+constexpr int placed_groups = places_first ? groups : 1;
 
 // Whether the mask has pixels of the n-th group.
 SPANTEX_INLINE bool has_group(span_mask mask, int n) {
@@ -349,9 +349,9 @@ SPANTEX_INLINE void find_places(const span_coefficients& c, const single_texels<
   }
 }
 
+// Of rounded positions.
 template <bool MasksOnly>
-[[gnu::noinline]] void find_divided_places(const row_levels& map, const span_coefficients& c, span_positions& p, int32_t* places) {
-  divide_positions(c, p);
+[[gnu::noinline]] void find_places(const row_levels& map, const span_positions& p, int32_t* places) {
   const single_texels<MasksOnly> to(map, p, 16);
   for (int k = 0; k < span_pixel_count; k += 2 * width) {
     const auto from = [](const int32_t* at) SPANTEX_INLINED { return get(at) << (16 - q.coordinate_bits); };
@@ -366,7 +366,10 @@ SPANTEX_INLINE void draw_nearest(const row_work& work, int32_t sx, span_mask mas
   const row_levels& map = work.texels->levels_in_rows();
   const single_texels<MasksOnly> to(map, p, c.exponent);
   alignas(sizeof(v)) int32_t places[span_pixel_count];
-  if (!by_terms(c, [&]<int Terms>() SPANTEX_INLINED { find_places<Terms>(c, to, places); })) find_divided_places<MasksOnly>(map, c, p, places);
+  if (!by_terms(c, [&]<int Terms>() SPANTEX_INLINED { find_places<Terms>(c, to, places); })) {
+    divide_positions(c, p);
+    find_places<MasksOnly>(map, p, places);
+  }
   write_texels(work, sx, mask, map.texels(), places);
 }
 
@@ -384,24 +387,28 @@ SPANTEX_INLINE void find_places(const span_coefficients& c, const span_positions
   }
 }
 
+// By rounded positions, from level 0.
 template <bool MasksOnly>
-SPANTEX_INLINE void draw_bilinear(const row_in_hand& work, int32_t sx, span_mask mask, span_positions& p, const span_coefficients& c) {
+SPANTEX_INLINE void draw_bilinear_at(const row_in_hand& work, int32_t sx, span_mask mask, const span_positions& p) {
   const row_levels& map = work.texels->levels_in_rows();
   const on_level<int32_t> l = level_at_once<MasksOnly>(map, 0, p);
   lanes_places places[placed_groups];
-  const auto place = [&](int n) SPANTEX_INLINED { place_lanes<MasksOnly>(l, get(p.u + width * n), get(p.v + width * n), p, places[n % placed_groups]); };
-  const auto pixels_at = [&](int n) SPANTEX_INLINED { return pixels_of(blended(map, places[n % placed_groups], l.down)); };
+  draw_groups(work, sx, mask, [&](int n) SPANTEX_INLINED { place_lanes<MasksOnly>(l, get(p.u + width * n), get(p.v + width * n), p, places[n % placed_groups]); },
+              [&](int n) SPANTEX_INLINED { return pixels_of(blended(map, places[n % placed_groups], l.down)); });
+}
+
+template <bool MasksOnly>
+SPANTEX_INLINE void draw_bilinear(const row_in_hand& work, int32_t sx, span_mask mask, span_positions& p, const span_coefficients& c) {
   if constexpr (places_first) {
     constexpr int most_bits = 30;  // an offset, below 2^30, and half a texel are below 2^31
-    if (c.exponent > most_bits || !by_terms(c, [&]<int Terms>() SPANTEX_INLINED { find_places<Terms, MasksOnly>(c, p, l, places); })) {
-      find_positions<false>(c, p);
-      for (int n = 0; n < groups; ++n) place(n);
-    }
-    draw_groups(work, sx, mask, [](int) {}, pixels_at);
-  } else {
-    find_positions<false>(c, p);
-    draw_groups(work, sx, mask, place, pixels_at);
+    const row_levels& map = work.texels->levels_in_rows();
+    const on_level<int32_t> l = level_at_once<MasksOnly>(map, 0, p);
+    lanes_places places[placed_groups];
+    if (c.exponent <= most_bits && by_terms(c, [&]<int Terms>() SPANTEX_INLINED { find_places<Terms, MasksOnly>(c, p, l, places); }))
+      return draw_groups(work, sx, mask, [](int) {}, [&](int n) SPANTEX_INLINED { return pixels_of(blended(map, places[n % placed_groups], l.down)); });
   }
+  find_positions<false>(c, p);
+  draw_bilinear_at<MasksOnly>(work, sx, mask, p);
 }
 
 // Whether the map holds every texel that lies up to `reach` texels of level 0 from the base: of any level, as one before the first and one after the last are in its apron.

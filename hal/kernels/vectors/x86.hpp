@@ -36,8 +36,14 @@ SPANTEX_INLINE bool all_equal(v a, int32_t b) { return SPANTEX_OP(movemask_epi8)
 SPANTEX_INLINE v_s64 size_of(v_s64 x) { return negated_where(x, x < 0); }
 #if SPANTEX_AVX2
 SPANTEX_INLINE v_s64 bit_lengths(v_s64 x) {
-  for (int k = 0; k < width / 2; ++k) x[k] = x[k] == 0 ? 64 : __builtin_clzll(uint64_t(x[k]));
+  for (int k = 0; k < width / 2; ++k) x[k] = int64_t(_lzcnt_u64(uint64_t(x[k])));
   return 64 - x;
+}
+SPANTEX_INLINE uint32_t signs_of(v_s64 x) { return uint32_t(_mm256_movemask_pd(__m256d(x))); }
+// The lower half of 128-bit numbers shifted down by as many bits, 0 to 127. What is shifted by more than a lane has is 0.
+SPANTEX_INLINE v_64 low_after(v_64 low, v_64 high, v_64 n) {
+  const raw up = _mm256_sllv_epi64(raw(high), raw(64 - n)), down = _mm256_srlv_epi64(raw(high), raw(n - 64));
+  return v_64(_mm256_or_si256(_mm256_srlv_epi64(raw(low), raw(n)), _mm256_or_si256(up, down)));
 }
 #endif
 SPANTEX_INLINE v_64 rounded_shift(v_64 x, v_64 shift) { return (x + ((v_64{} + 1) << (shift - 1))) >> shift; }
