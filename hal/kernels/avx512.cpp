@@ -44,7 +44,7 @@ void draw_row_of_nearest(const row_work& work) {
   }
 }
 
-// Rows that are drawn sooner from the map's rows: local memory holds little of them.
+// Rows that are drawn sooner from the map's rows, texel by texel: local memory holds little of them. Gathered they take 2 to 4 % more (far, grazing).
 bool are_beyond(const row_work& work) {
   for (const int k : {0, work.count / 2, work.count - 1})
     if (!beyond_sections(work, k, unknown::beyond)) return false;
@@ -55,7 +55,7 @@ template <filter Kind, bool Gathers>
 void draw_row_by_blocks(const row_work& work, plans_of_left<Kind>& left) {
   if constexpr (Kind == filter::nearest) {
     if (draw_affine_row<Gathers>(work)) return;
-    if (!are_beyond(work)) return draw_row_of_nearest<Gathers>(work);
+    if (Gathers || !are_beyond(work)) return draw_row_of_nearest<Gathers>(work);
     for (int k = 0; k < work.count; ++k) work.left[k] = work.masks[k] != 0;
   } else if (work.texels->opaque()) {
     draw_batches<Kind, texel_kind{3, colours_as::codes}>(work, left);
